@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -66,6 +67,12 @@ struct Twins {
     return sum;
   }
 };
+
+bool has_frozen(const World& world) {
+  const auto problems = world.problems();
+  return std::any_of(problems.begin(), problems.end(),
+                     [](const Problem& each) { return each.kind == Problem::Kind::frozen; });
+}
 
 Settings random_settings(Random& random) {
   constexpr Method methods[] = {Method::automatic, Method::direct, Method::relax};
@@ -174,7 +181,8 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
     twins.one.step(twins.frame);
     twins.two.step(twins.frame);
     EXPECT_EQ(twins.one.state_hash(), twins.two.state_hash());
-    if (!may_jump && !has_fixed) {
+    // A rod that closes a straight triangle leaves nothing that solves it exactly.
+    if (!may_jump && !has_fixed && !has_frozen(twins.one)) {
       EXPECT_LE(norm(twins.momentum() - before), 1e-9);
     }
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)

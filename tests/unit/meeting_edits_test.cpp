@@ -168,6 +168,23 @@ TEST(MeetingEdits, GoTogetherWithOthers) {
   });
 }
 
+// Of several orders for a particle the last holds.
+TEST(MeetingEdits, TakeBackWhatWasFixed) {
+  for_all([](const Settings& settings) {
+    World world(several(), settings), other(several(), settings);
+    test::run(world, frame, 10);
+    test::run(other, frame, 10);
+    world.fix(7);
+    world.free(7);
+    world.free(5);
+    world.fix(5);
+    test::run(world, frame, 30);
+    test::run(other, frame, 30);
+    EXPECT_LE(error_beside(world, other), 100 * tolerance(settings));
+    EXPECT_EQ(world.info().islands, other.info().islands);
+  });
+}
+
 TEST(MeetingEdits, AreKnownToSnapshots) {
   for_all([](Settings settings) {
     World world(several(), settings), late(several(), settings);

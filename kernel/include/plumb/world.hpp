@@ -199,9 +199,9 @@ class PLUMB_API World {
   /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
   /// that is free, or new; cut() before the next step gives it back.
   ///
-  /// Throws InputError as cut() does, on islands with joints, springs, shapes or air on rods, on rods that
-  /// validate() refuses, and on ends that are both fixed or joined already. So it does on a rigid rod that
-  /// does not fit between its ends. Messages of validate() call the rod rod 0.
+  /// Throws InputError as fix() does, on rods that validate() refuses or that do not fit between their ends,
+  /// and on ends that are both fixed or joined already. So it does on what would bring islands with shapes
+  /// together with bends, tackles or rods that give. Messages of validate() call the rod rod 0.
   Handle<Rod> join(const Rod& rod);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
@@ -210,8 +210,8 @@ class PLUMB_API World {
   /// twists and reels, and on islands with joints, springs, air on rods, or shapes and rods that give.
   void fix(std::uint32_t particle);
   /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
-  /// as fix() does, on islands with shapes, and if it has no mass. So it does if a rigid rod to another fixed
-  /// one is off its length, unless the method is relax.
+  /// as fix() and join() do, if it has no mass, and if it holds a capsule of the ground. So it does if a
+  /// rigid rod to another fixed one is off its length, unless the method is relax.
   void free(std::uint32_t particle);
   /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
   /// does, and on a mass that is not positive and finite.

@@ -238,6 +238,8 @@ class Step {
   bool carries_shape(std::uint32_t anchor) const;
   bool holds_ground(std::uint32_t anchor) const;
   MetIslands met_islands(const Fallen& fallen) const;
+  PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched,
+                            std::vector<std::uint32_t>& meeting) const;
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
   void forget(const Removed& gone);
   void drop_edits(const Removed& of);

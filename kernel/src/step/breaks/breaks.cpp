@@ -105,7 +105,8 @@ bool Breaks::is_plain_at(std::uint32_t particle) const {
   if (!whole.bends.empty() || !whole.tackles.empty() || !whole.twists.empty() || !whole.reels.empty())
     return false;
   return std::all_of(whole.rods.begin(), whole.rods.end(), [&](std::uint32_t rod) {
-    return out_[rod] == State::in && is_plain(scene_now().rods[rod]);
+    return out_[rod] == State::in ? is_plain(scene_now().rods[rod])
+                                  : rod_mass(scene_now(), rod, model_).ab == 0;
   });
 }
 

@@ -2,6 +2,8 @@
 // shapes.
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "contact/linkage/scene_parts.hpp"
 #include "step/breaks/ids.hpp"
@@ -9,6 +11,21 @@
 #include "step/step.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Returns what holds of orders for particles: of several the last.
+template <class What>
+std::vector<std::pair<std::uint32_t, What>> last_orders(std::vector<std::pair<std::uint32_t, What>> orders) {
+  std::stable_sort(orders.begin(), orders.end(), [](auto& a, auto& b) { return a.first < b.first; });
+  std::vector<std::pair<std::uint32_t, What>> out;
+  for (const auto& order : orders) {
+    if (!out.empty() && out.back().first == order.first) out.pop_back();
+    out.push_back(order);
+  }
+  return out;
+}
+
+}  // namespace
 
 /// Returns where the contact solver has a particle, or null.
 const Place* Step::contact_place(std::uint32_t particle) const {
@@ -38,52 +55,48 @@ void Step::take_along(const Edits& edits) {
   }
 }
 
-/// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
-Fallen Step::take_out(const Split& now) {
-  Ids parts, linkages;
-  const auto touch = [&](std::uint32_t particle) {
-    if (anchors_.is_fixed(particle)) return;
-    const Place* const place = contact_place(particle);
-    if (!place) return;
-    const std::uint32_t part = compiled_.contact->island_of(place->slot);
-    parts.push_back(part);
-    if (compiled_.contact->may_go_home(place->slot)) return;
-    linkages.push_back(part);
-    breaks_.hold(particle);
-  };
-  PartEdits edits;
-  bool meets = false;
-  const auto bring = [&](std::uint32_t particle) {
-    touch(particle);
-    meets = meets || (!anchors_.is_fixed(particle) && contact_place(particle) != nullptr);
-  };
-  for (const Joined& each : now.edits.joined) {
-    bring(each.rod.a);
-    bring(each.rod.b);
+/// Lists what is done to the contact solver's islands. Appends particles of theirs: those of islands that are
+/// made anew, and those of islands that may come together.
+PartEdits Step::list_part_edits(const Edits& edits, Ids& touched, Ids& meeting) const {
+  PartEdits out;
+  for (const Joined& each : edits.joined) meeting.insert(meeting.end(), {each.rod.a, each.rod.b});
+  for (const std::uint32_t rod : edits.cut) {
+    touched.push_back(rods_.end(rod));
+    out.cut.push_back(rod);
   }
-  for (const std::uint32_t rod : now.edits.cut) {
-    touch(rods_.end(rod));
-    edits.cut.push_back(rod);
+  for (const auto& [particle, mass] : last_orders(edits.masses)) {
+    touched.push_back(particle);
+    out.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));
   }
-  std::vector<std::pair<std::uint32_t, double>> last = now.edits.masses;  // of several the last holds
-  std::stable_sort(last.begin(), last.end(), [](auto& a, auto& b) { return a.first < b.first; });
-  for (std::size_t k = 0; k < last.size(); ++k) {
-    const auto [particle, mass] = last[k];
-    if (k + 1 < last.size() && last[k + 1].first == particle) continue;
-    touch(particle);
-    edits.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));
-  }
-  for (const auto& [particle, is_fixed] : now.edits.fixed) {
+  for (const auto& [particle, is_fixed] : last_orders(edits.fixed)) {
     if (anchors_.is_fixed(particle) == is_fixed) continue;
     if (is_fixed) {
-      touch(particle);
-      edits.fixed.push_back(particle);
-      continue;
+      touched.push_back(particle);
+      out.fixed.push_back(particle);
+    } else {
+      append_neighbours(particle, meeting);
     }
-    std::vector<std::uint32_t> hanging;
-    append_neighbours(particle, hanging);
-    std::for_each(hanging.begin(), hanging.end(), bring);
   }
+  return out;
+}
+
+/// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
+Fallen Step::take_out(const Split& now) {
+  Ids parts, linkages, touched, meeting;
+  PartEdits edits = list_part_edits(now.edits, touched, meeting);
+  const auto touch = [&](std::uint32_t particle) {
+    const Place* const place = anchors_.is_fixed(particle) ? nullptr : contact_place(particle);
+    if (!place) return false;
+    const std::uint32_t part = compiled_.contact->island_of(place->slot);
+    parts.push_back(part);
+    if (compiled_.contact->may_go_home(place->slot)) return true;
+    linkages.push_back(part);
+    breaks_.hold(particle);
+    return true;
+  };
+  for (const std::uint32_t particle : touched) touch(particle);
+  bool meets = false;
+  for (const std::uint32_t particle : meeting) meets = touch(particle) || meets;
   sort_once(parts);
   sort_once(linkages);
   take_along(now.edits);
