@@ -57,6 +57,7 @@ Scene random_scene(Random& random) {
 struct Twins {
   World one, two;
   std::vector<double> masses;
+  std::vector<std::uint32_t> ropes;  // at the start, by particle
   std::vector<Handle<Particle>> gone;
   double frame = 1.0 / 240;
 
@@ -67,12 +68,6 @@ struct Twins {
     return sum;
   }
 };
-
-bool has_frozen(const World& world) {
-  const auto problems = world.problems();
-  return std::any_of(problems.begin(), problems.end(),
-                     [](const Problem& each) { return each.kind == Problem::Kind::frozen; });
-}
 
 Settings random_settings(Random& random) {
   constexpr Method methods[] = {Method::automatic, Method::direct, Method::relax};
@@ -131,7 +126,9 @@ bool edit(Twins& twins, Random& random) {
     return true;
   }
   if (kind > 9) {
+    // Within a rope a rod would close triangles that are straight, which nothing solves exactly.
     const std::uint32_t other = below(random, twins.one.particle_count());
+    if (twins.ropes[particle] == twins.ropes[other]) return false;
     both([&](World& world) { world.join({.a = particle, .b = other}); });
     return false;
   }
@@ -168,8 +165,13 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
   if (settings.method == Method::relax) settings.stop.sweeps = 20;
   Settings with_two = settings;
   with_two.threads = 2;
-  Twins twins{World(scene, settings), World(scene, with_two), {}, {}};
+  Twins twins{World(scene, settings), World(scene, with_two), {}, {}, {}};
   for (const Particle& particle : scene.particles) twins.masses.push_back(particle.mass);
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+    const bool begins =
+        std::none_of(scene.rods.begin(), scene.rods.end(), [&](const Rod& rod) { return rod.b == i; });
+    twins.ropes.push_back(begins ? i : twins.ropes.back());
+  }
   for (int turn = 0; turn < 6; ++turn) {
     bool may_jump = false;
     for (std::uint32_t k = 0, count = 1 + below(random, 3); k < count; ++k, ++edits)
@@ -181,8 +183,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
     twins.one.step(twins.frame);
     twins.two.step(twins.frame);
     EXPECT_EQ(twins.one.state_hash(), twins.two.state_hash());
-    // A rod that closes a straight triangle leaves nothing that solves it exactly.
-    if (!may_jump && !has_fixed && !has_frozen(twins.one)) {
+    if (!may_jump && !has_fixed) {
       EXPECT_LE(norm(twins.momentum() - before), 1e-9);
     }
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
