@@ -218,13 +218,13 @@ TEST(Joins, CarryWhatIsCutOff) {
 
 TEST(Joins, AreRefusedWithAReason) {
   Scene scene = chains(2);
-  scene.particles.push_back(movable({5, 0, 0}));
-  scene.capsules.push_back({.a = {{14}, {1}}, .b = {{14}, {1}}, .radius = 0.1});
+  for (const double x : {5, 6}) scene.particles.push_back(movable({x, 0, 0}));
+  scene.springs.push_back({.a = point_at(14), .b = point_at(15), .stiffness = 1});
   World world(scene, {.threads = 1});
   const Handle<Particle> gone = world.particle_handle(world.add(chains(1)).particle + 1);
   world.remove(gone.number);
   const test::Snapshot before = test::snapshot_of(world);
-  expect_refusal("particle 16: was removed", [&] { world.join(gone, world.particle_handle(3)); });
+  expect_refusal("particle 17: was removed", [&] { world.join(gone, world.particle_handle(3)); });
   expect_refusal("particle 99: unknown", [&] { world.join({.a = 99, .b = 3}); });
   expect_refusal("both ends are particle 3", [&] { world.join({.a = 3, .b = 3}); });
   expect_refusal("(particles 0 and 7) are fixed", [&] { world.join({.a = 0, .b = 7}); });
