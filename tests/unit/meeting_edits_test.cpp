@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -141,6 +142,11 @@ TEST(MeetingEdits, JoinShapesToARopeWithout) {
     fresh.step(frame);
     EXPECT_LE(error_beside(world, fresh), tolerance(settings));
     EXPECT_EQ(world.info().islands, 3u);
+    test::run(world, frame, 3);
+    test::run(fresh, frame, 3);
+    EXPECT_FALSE(world.contacts().empty());
+    EXPECT_GT(std::abs(fresh.tension(16)), 0.1);
+    EXPECT_NEAR(world.tension(16), fresh.tension(16), 0.05 * std::abs(fresh.tension(16)));
     test::run(world, frame, 60);
     EXPECT_TRUE(world.problems().empty());
   });

@@ -131,6 +131,7 @@ class ContactSolver final : public Solver {
 
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
   bool has_pull(std::uint32_t rod) const {
+    if (rod >= rods_.size()) return false;  // joined where nothing has shapes
     const std::uint32_t island = rods_[rod].island;
     return island < ended && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }

@@ -290,7 +290,7 @@ class Step {
   void put_grabs(std::span<const std::uint32_t> numbers);
   bool is_visiting(std::uint32_t cord) const;
   bool is_known_to_contact(std::uint32_t cord) const {
-    return compiled_.contact && cord < origin_->scene.rods.size();
+    return compiled_.contact && cord < compiled_.cords.rods.count();
   }
   bool is_held_by_contact(std::uint32_t cord) const;
   bool is_held_by_solver(std::uint32_t cord) const;

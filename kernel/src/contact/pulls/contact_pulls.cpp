@@ -78,6 +78,7 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
 }
 
 bool ContactSolver::has_broken(std::uint32_t rod) const {
+  if (rod >= rods_.size()) return false;
   const auto [island, number] = rods_[rod];
   if (island >= ended || states_[island].broken.empty()) return false;
   const auto elastic = states_[island].linkage->elastic_of_rod(number);
