@@ -63,8 +63,9 @@ class ContactSolver final : public Solver {
   /// Makes islands anew with what is listed of them, as the islands that they are then. They end themselves.
   /// Those of particles and rods are plain again, if they have shapes; without, a home alone moves them.
   std::vector<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
-  /// Does so with plain islands that may have come together, or with others that have no shapes.
-  std::vector<Made> make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, MetIslands met);
+  /// Does so with plain islands that come together, with each other or with some that have no shapes. `now`
+  /// has particles and rigid rods of all of them, edited, where they are; capsules come from the islands.
+  std::vector<Made> make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, NamedPart now);
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
@@ -260,6 +261,8 @@ class ContactSolver final : public Solver {
   void take_laws(const ContactSolver& from);
   NamedPart named_part(std::uint32_t island) const;
   static void edit(NamedPart& part, const PartEdits& edits);
+  template <class F>
+  void replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f);
   void retire(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t add_kind(const Scene& part);

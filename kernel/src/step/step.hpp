@@ -237,9 +237,8 @@ class Step {
   Removed take_away(std::uint32_t particle);
   bool carries_shape(std::uint32_t anchor) const;
   bool holds_ground(std::uint32_t anchor) const;
-  MetIslands met_islands(const Fallen& fallen) const;
-  PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched,
-                            std::vector<std::uint32_t>& meeting) const;
+  PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;
+  std::vector<std::uint32_t> meeting(const Edits& edits) const;
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
   void forget(const Removed& gone);
   void drop_edits(const Removed& of);
@@ -267,9 +266,7 @@ class Step {
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void require_no_joints(const char* what, std::uint32_t number, std::uint32_t particle) const;
-  void require_plain_meeting(const char* what, std::uint32_t number, std::vector<std::uint32_t> particles,
-                             bool is_plain_rod) const;
-  void append_neighbours(std::uint32_t particle, std::vector<std::uint32_t>& to) const;
+  void require_plain_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
   template <class F>

@@ -151,6 +151,26 @@ std::size_t ContactSolver::kind_number(const LinkageState& state) const {
   return kind;
 }
 
+/// Lets the islands of an edited part take the place of those of which it was made. f(parts, p, state) lets
+/// the state of island p go on. Plain ones without shapes are left to their homes.
+template <class F>
+void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f) {
+  const SceneParts parts(by.scene);
+  std::map<std::vector<double>, std::size_t> kinds;
+  std::vector<std::uint32_t> numbers(parts.count(), ended);
+  for (std::uint32_t p = 0; p < parts.count(); ++p) {
+    const Scene& part = parts.part(p);
+    if (plain && part.capsules.empty()) continue;
+    const auto [at, is_new] = kinds.try_emplace(likeness(part), 0);
+    if (is_new) at->second = add_kind(part);
+    numbers[p] = append(at->second, part, plain);
+    f(parts, p, states_.back());
+  }
+  clusters_.grow(states_);
+  for (const std::uint32_t island : islands) retire(island);
+  rename(by, parts, numbers);
+}
+
 auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits)
     -> std::vector<Made> {
   std::vector<Made> out;
@@ -159,62 +179,49 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
     NamedPart part = named_part(island);
     edit(part, edits);
     const bool plain = is_plain_[island] != 0, visits = plain && !visitors_[island].is_at_home();
-    const SceneParts parts(part.scene);
-    std::map<std::vector<double>, std::size_t> kinds;
-    std::vector<std::uint32_t> numbers(parts.count(), ended);
-    for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      if (plain && parts.part(p).capsules.empty()) continue;
-      const auto [at, is_new] = kinds.try_emplace(likeness(parts.part(p)), 0);
-      if (is_new) at->second = add_kind(parts.part(p));
-      numbers[p] = append(at->second, parts.part(p), plain);
-      states_.back().go_on_from(states_[island], parts.particles(p));
-      copy_laws(states_[island], part, parts, p, states_.back());
-      out.push_back({numbers[p], visits});
-    }
-    clusters_.grow(states_);
-    retire(island);
-    rename(part, parts, numbers);
+    replace({&island, 1}, part, plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+      state.go_on_from(states_[island], parts.particles(p));
+      copy_laws(states_[island], part, parts, p, state);
+      out.push_back({state.number, visits});
+    });
   }
   return out;
 }
 
-auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, MetIslands met)
+auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, NamedPart now)
     -> std::vector<Made> {
-  NamedPart whole;
-  whole.scene = std::move(met.scene);
-  whole.particles = std::move(met.particles);
-  whole.rods = std::move(met.rods);
-  std::set<std::uint32_t> visiting;
   std::vector<NamedPart> before;
+  std::set<std::uint32_t> visiting;
+  std::map<std::uint32_t, Vec3> went;  // by anchor
   for (const std::uint32_t island : islands) {
     clusters_.wake(island);  // and what lies on it
+    const LinkageState& state = states_[island];
     NamedPart& part = before.emplace_back(named_part(island));
+    for (const std::uint32_t rod : edits.cut) part.cut(rod);
     if (!visitors_[island].is_at_home()) visiting.insert(part.particles.begin(), part.particles.end());
-    edit(part, edits);
+    for (std::size_t k = state.linkage->movable(); k < part.particles.size(); ++k)
+      went[part.particles[k]] = state.anchors_went[k - state.linkage->movable()];
   }
-  whole.take_capsules(before);
-  const SceneParts parts(whole.scene);
-  std::map<std::vector<double>, std::size_t> kinds;
-  std::vector<std::uint32_t> numbers(parts.count(), ended);
+  now.rods_were.resize(now.rods.size());
+  std::iota(now.rods_were.begin(), now.rods_were.end(), 0u);
+  now.take_capsules(before);
+  now.end_fixed();
+  now.end_torn_capsules(nullptr);
   std::vector<Made> out;
-  for (std::uint32_t p = 0; p < parts.count(); ++p) {
-    const Scene& part = parts.part(p);
-    if (part.capsules.empty()) continue;
-    const auto [at, is_new] = kinds.try_emplace(likeness(part), 0);
-    if (is_new) at->second = add_kind(part);
-    numbers[p] = append(at->second, part, true);
-    LinkageState& state = states_.back();
-    state.begin_in(whole.scene, parts.particles(p), states_[islands.front()]);
-    for (const std::uint32_t particle : parts.particles(p))
-      state.particles.push_back(whole.particles[particle]);
-    const auto movable = std::span(state.particles).first(state.linkage->movable());
-    out.push_back({numbers[p], std::any_of(movable.begin(), movable.end(), [&](std::uint32_t particle) {
-                     return visiting.contains(particle);
-                   })});
-  }
-  clusters_.grow(states_);
-  for (const std::uint32_t island : islands) retire(island);
-  rename(whole, parts, numbers);
+  replace(islands, now, true, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+    state.begin_in(now.scene, parts.particles(p), states_[islands.front()]);
+    const std::uint32_t movable = state.linkage->movable();
+    bool visits = false;
+    for (const std::uint32_t own : parts.particles(p)) {
+      const std::uint32_t particle = now.particles[own];
+      const auto k = static_cast<std::uint32_t>(state.particles.size());
+      state.particles.push_back(particle);
+      visits = visits || (k < movable && visiting.contains(particle));
+      if (const auto at = went.find(particle); k >= movable && at != went.end())
+        state.anchors_went[k - movable] = at->second;
+    }
+    out.push_back({state.number, visits});
+  });
   return out;
 }
 
@@ -233,7 +240,7 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
     if (const std::size_t k = index(particle); k < part.particles.size())
       part.scene.particles[k].fixed = true;
   part.end_fixed();
-  part.end_torn_capsules(before);
+  part.end_torn_capsules(&before);
 }
 
 std::size_t ContactSolver::add_kind(const Scene& part) {
@@ -267,7 +274,8 @@ std::uint32_t ContactSolver::append(std::size_t kind, const Scene& part, bool pl
   return number;
 }
 
-/// Lets what has numbers in the scene be found in the islands `numbers` of an island's parts.
+/// Lets what has numbers in the scene be found in the islands `numbers` of a part. The rest is where it was,
+/// or has ended with its island.
 void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
                            std::span<const std::uint32_t> numbers) {
   const auto put = [&](std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> names,
@@ -279,8 +287,6 @@ void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
     for (std::size_t i = 0; i < names.size(); ++i)
       if (shares[i].part < numbers.size() && numbers[shares[i].part] != ended)
         owners[names[i]] = {numbers[shares[i].part], shares[i].number};
-      else
-        owners[names[i]].island = ended;
   };
   put(parts.rods(), part.rods, rods_);
   put(parts.pins(), part.pins, pins_);

@@ -75,7 +75,15 @@ void NamedPart::take_capsules(std::span<const NamedPart> from) {
       Capsule& capsule = taken[part.capsules[i]] = part.scene.capsules[i];
       for (Point* const point : {&capsule.a, &capsule.b})
         for (std::size_t k = 0; k < point->particles.size(); ++k)
-          if (point->weights[k] != 0) point->particles[k] = here.at(part.particles[point->particles[k]]);
+          if (point->weights[k] != 0) {
+            const std::uint32_t own = point->particles[k], number = part.particles[own];
+            const auto [at, is_new] = here.try_emplace(number, static_cast<std::uint32_t>(particles.size()));
+            if (is_new) {
+              particles.push_back(number);
+              scene.particles.push_back(part.scene.particles[own]);
+            }
+            point->particles[k] = at->second;
+          }
     }
   for (const auto& [number, capsule] : taken) {
     capsules.push_back(number);
@@ -100,11 +108,12 @@ void NamedPart::end_fixed() {
                  [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
 }
 
-void NamedPart::end_torn_capsules(const Scene& before) {
+void NamedPart::end_torn_capsules(const Scene* before) {
   if (scene.capsules.empty()) return;
-  const std::vector<std::uint32_t> were = bare_islands(before), are = bare_islands(scene);
+  const std::vector<std::uint32_t> are = bare_islands(scene);
+  const std::vector<std::uint32_t> were = before ? bare_islands(*before) : std::vector<std::uint32_t>{};
   erase_numbered(scene.capsules, capsules, [&](const Capsule& capsule) {
-    return joins_islands(scene, are, capsule) && !joins_islands(before, were, capsule);
+    return joins_islands(scene, are, capsule) && !(before && joins_islands(*before, were, capsule));
   });
 }
 

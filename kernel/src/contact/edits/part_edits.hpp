@@ -31,13 +31,7 @@ struct PartEdits {
   bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty(); }
 };
 
-/// Holds islands that rods or freed particles may have brought together, where they are now.
-struct MetIslands {
-  Scene scene{};  ///< particles and rods alone, with masses as parts have them
-  std::vector<std::uint32_t> particles{}, rods{};  ///< their numbers in the whole scene
-};
-
-/// Holds one island as a scene, with the numbers that its parts have in the whole one.
+/// Holds islands as a scene, with the numbers that its parts have in the whole one.
 class NamedPart {
  public:
   Scene scene{};
@@ -48,12 +42,14 @@ class NamedPart {
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.
   void cut(std::uint32_t rod);
-  /// Takes the capsules of other parts, whose particles are here, too, in the order of their numbers.
+  /// Takes the capsules of other parts, in the order of their numbers. Their movable particles are here, too;
+  /// anchors that capsules alone name come along.
   void take_capsules(std::span<const NamedPart> from);
   /// Ends rods and capsules that no movable particle has.
   void end_fixed();
-  /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was.
-  void end_torn_capsules(const Scene& before);
+  /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was, or null
+  /// where rods held each island together.
+  void end_torn_capsules(const Scene* before);
 
  private:
   void erase_rod(std::size_t index);

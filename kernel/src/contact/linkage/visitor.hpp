@@ -47,8 +47,7 @@ class Visitor {
     home_->set_away(slots_.front(), true);
     is_visiting_ = true;
   }
-  /// Ends the island, here and at home, where it counts as moved elsewhere no more. Its home ends it after
-  /// that.
+  /// Ends the visit of an island that its home ends next. There it counts as moved elsewhere no more.
   void end() {
     if (has_home() && is_visiting_) home_->set_away(slots_.front(), false);
     *this = {};

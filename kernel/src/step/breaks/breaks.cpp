@@ -99,15 +99,18 @@ std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
   return wholes_[whole].reels.front();
 }
 
-bool Breaks::is_plain_at(std::uint32_t particle) const {
+bool Breaks::is_plain(std::uint32_t rod, std::span<const std::uint32_t> cut) const {
+  const bool is_cut = out_[rod] != State::in || std::find(cut.begin(), cut.end(), rod) != cut.end();
+  return is_cut ? rod_mass(scene_now(), rod, model_).ab == 0 : is_plain_rod(scene_now().rods[rod]);
+}
+
+bool Breaks::is_plain_at(std::uint32_t particle, std::span<const std::uint32_t> cut) const {
   if (whole_[particle] == none) return true;
   const Whole& whole = wholes_[whole_[particle]];
   if (!whole.bends.empty() || !whole.tackles.empty() || !whole.twists.empty() || !whole.reels.empty())
     return false;
-  return std::all_of(whole.rods.begin(), whole.rods.end(), [&](std::uint32_t rod) {
-    return out_[rod] == State::in ? is_plain(scene_now().rods[rod])
-                                  : rod_mass(scene_now(), rod, model_).ab == 0;
-  });
+  return std::all_of(whole.rods.begin(), whole.rods.end(),
+                     [&](std::uint32_t rod) { return is_plain(rod, cut); });
 }
 
 // --- Changes

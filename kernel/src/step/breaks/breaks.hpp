@@ -28,7 +28,7 @@ struct Fallen {
   /// Lists the contact solver's islands that are made anew with them or by themselves, and how.
   std::vector<std::uint32_t> parts{};
   PartEdits part_edits{};
-  bool meets = false;  ///< Those of particles, rigid rods and shapes may have come together.
+  std::vector<std::uint32_t> met{};          ///< those of `parts` that rods or freed particles bring together
   std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have no home
 
   bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
@@ -104,8 +104,16 @@ class Breaks {
   }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
-  /// Returns whether nothing but rigid rods, which air does not slow, holds a particle's island together.
-  bool is_plain_at(std::uint32_t particle) const;
+  /// Returns the end of a rod that is not `particle`.
+  std::uint32_t other_end(std::uint32_t rod, std::uint32_t particle) const {
+    const Rod& of = scene_now().rods[rod];
+    return of.a == particle ? of.b : of.a;
+  }
+  /// Returns whether a rod that joins its ends may be in an island with shapes that goes home, after these
+  /// cuts.
+  bool is_plain(std::uint32_t rod, std::span<const std::uint32_t> cut) const;
+  /// Returns whether nothing but such rods holds the island of a particle together then.
+  bool is_plain_at(std::uint32_t particle, std::span<const std::uint32_t> cut) const;
 
  private:
   static constexpr std::uint32_t none = 0xffffffff;

@@ -18,9 +18,8 @@ inline double misfit(double distance, double length, const RodLaw& law) {
   return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
 }
 
-/// Returns whether a rod is one that islands with shapes may have and still be left to solvers of particles
-/// and rods.
-inline bool is_plain(const Rod& rod) {
+/// Returns whether islands with shapes may have a rod, and still go home to solvers of particles and rods.
+inline bool is_plain_rod(const Rod& rod) {
   return rod.law.is_rigid() && rod.linear_drag == 0 && rod.orthogonal_drag == 0;
 }
 
@@ -37,8 +36,8 @@ void visit_members(Archive& archive, Joined& of) {
   archive(number, rod);
 }
 
-/// Lists what a program ordered between two steps that makes islands anew. Of several orders for a particle
-/// the last holds.
+/// Lists what a program ordered between two steps that makes islands anew. A particle has one order of each
+/// kind at most, the last, and none to be what it is.
 struct Edits {
   std::vector<Joined> joined;                            ///< They are done before all else.
   std::vector<std::uint32_t> cut;                        ///< rods

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "scene/refuse.hpp"
+#include "step/breaks/ids.hpp"
 #include "step/methods.hpp"
 #include "step/step.hpp"
 
@@ -29,32 +32,25 @@ void Step::require_no_joints(const char* what, std::uint32_t number, std::uint32
            "one");
 }
 
-/// Refuses to bring islands with shapes together with anything but particles, rigid rods and shapes, by a rod
-/// that is to be joined or by freeing what others hang from. What waits for the same step counts.
-void Step::require_plain_meeting(const char* what, std::uint32_t number, std::vector<std::uint32_t> particles,
-                                 bool is_plain_rod) const {
+/// Refuses edits of one step that would bring islands with shapes together with anything but particles, rigid
+/// rods and shapes. The message begins with `what`.
+void Step::require_plain_meeting(const std::string& what, const Edits& edits) const {
   if (!compiled_.contact) return;
-  for (const Joined& each : edits_.joined) {
-    particles.insert(particles.end(), {each.rod.a, each.rod.b});
-    is_plain_rod = is_plain_rod && is_plain(each.rod);
-  }
-  for (const auto& [freed, is_fixed] : edits_.fixed)
-    if (!is_fixed) append_neighbours(freed, particles);
-  std::erase_if(particles, [&](std::uint32_t each) { return anchors_.is_fixed(each); });
-  if (std::none_of(particles.begin(), particles.end(),
-                   [&](std::uint32_t each) { return contact_place(each) != nullptr; }))
-    return;
-  if (!is_plain_rod || !std::all_of(particles.begin(), particles.end(),
-                                    [&](std::uint32_t each) { return breaks_.is_plain_at(each); }))
-    refuse(what, " ", number, ": islands with shapes would get bends, tackles or rods that give or break");
-}
-
-/// Appends the other ends of the rods at a particle.
-void Step::append_neighbours(std::uint32_t particle, std::vector<std::uint32_t>& to) const {
-  for (const std::uint32_t rod : breaks_.rods_at(particle)) {
-    const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
-    if (breaks_.joins_ends(rod)) to.push_back(a == particle ? b : a);
-  }
+  const Ids ends = meeting(edits);
+  if (std::none_of(ends.begin(), ends.end(), [&](std::uint32_t each) { return contact_place(each); })) return;
+  const auto is_plain_around = [&](const std::pair<std::uint32_t, bool>& of) {
+    const auto rods = breaks_.rods_at(of.first);
+    return of.second || std::all_of(rods.begin(), rods.end(), [&](std::uint32_t rod) {
+             return !breaks_.joins_ends(rod) || breaks_.is_plain(rod, edits.cut);
+           });
+  };
+  const bool are_plain = std::all_of(edits.joined.begin(), edits.joined.end(),
+                                     [](const Joined& each) { return is_plain_rod(each.rod); }) &&
+                         std::all_of(edits.fixed.begin(), edits.fixed.end(), is_plain_around) &&
+                         std::all_of(ends.begin(), ends.end(), [&](std::uint32_t each) {
+                           return breaks_.is_plain_at(each, edits.cut);
+                         });
+  if (!are_plain) refuse(what, ": islands with shapes would get bends, tackles or rods that give or break");
 }
 
 void Step::cut(std::uint32_t rod) {
@@ -66,6 +62,11 @@ void Step::cut(std::uint32_t rod) {
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
   if (joins_by_mass(rod))
     refuse("rod ", rod, ": has mass along it that joins its ends, in an island with shapes");
+  if (rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0) {
+    Edits then = edits_;
+    then.cut.push_back(rod);
+    require_plain_meeting("rod " + std::to_string(rod), then);
+  }
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
 }
@@ -101,7 +102,9 @@ void Step::require_joinable(const Rod& rod) const {
     if (const auto twist = breaks_.twist_at(end))
       refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
   }
-  require_plain_meeting("particle", rod.a, {rod.a, rod.b}, is_plain(rod));
+  Edits then = edits_;
+  then.joined.push_back({.rod = rod});
+  require_plain_meeting("particle " + std::to_string(rod.a), then);
   const auto require_other = [&](std::uint32_t number, const Rod& other) {
     if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
       refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
@@ -170,15 +173,14 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
     refuse("particle ", particle, ": has no mass to be free with, but ", mass,
            " kg; set_mass() gives it one");
-  if (!is_fixed) {
-    if (holds_ground(particle))
-      refuse("particle ", particle, ": a capsule of the ground is at it, and it stays");
-    std::vector<std::uint32_t> hanging;
-    append_neighbours(particle, hanging);
-    require_plain_meeting("particle", particle, std::move(hanging), true);
-    require_fit_of_fixed(particle);
-  }
-  edits_.fixed.emplace_back(particle, is_fixed);
+  if (!is_fixed && holds_ground(particle))
+    refuse("particle ", particle, ": a capsule of the ground is at it, and it stays");
+  if (!is_fixed) require_fit_of_fixed(particle);
+  Edits then = edits_;
+  std::erase_if(then.fixed, [&](const auto& each) { return each.first == particle; });
+  if (anchors_.is_fixed(particle) != is_fixed) then.fixed.emplace_back(particle, is_fixed);
+  require_plain_meeting("particle " + std::to_string(particle), then);
+  edits_ = std::move(then);
   anchors_.order(particle, is_fixed);
 }
 
@@ -187,6 +189,7 @@ void Step::set_mass(std::uint32_t particle, double mass) {
   require_editable("particle", particle, particle);
   if (const auto twist = breaks_.twist_at(particle))
     refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
+  std::erase_if(edits_.masses, [&](const auto& each) { return each.first == particle; });
   edits_.masses.emplace_back(particle, mass);
 }
 

@@ -128,6 +128,7 @@ void Step::redo(const Split& split, const Step& from) {
   for (const std::uint32_t rod : now.edits.cut)
     if (joins_by_mass(rod))
       refuse("settings: rod ", rod, ": was cut, and has mass along it that joins its ends under these");
+  require_plain_meeting("settings", now.edits);
   const Fallen fallen = take_out(now);
   log_.keep(fallen.touched, now.edits);
   put_joined(now.edits);

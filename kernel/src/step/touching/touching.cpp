@@ -2,6 +2,7 @@
 // shapes.
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -11,22 +12,6 @@
 #include "step/step.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Returns what holds of orders for particles: of several the last.
-template <class What>
-std::vector<std::pair<std::uint32_t, What>> last_orders(std::vector<std::pair<std::uint32_t, What>> orders) {
-  std::stable_sort(orders.begin(), orders.end(), [](auto& a, auto& b) { return a.first < b.first; });
-  std::vector<std::pair<std::uint32_t, What>> out;
-  for (const auto& order : orders) {
-    if (!out.empty() && out.back().first == order.first) out.pop_back();
-    out.push_back(order);
-  }
-  return out;
-}
-
-}  // namespace
-
 /// Returns where the contact solver has a particle, or null.
 const Place* Step::contact_place(std::uint32_t particle) const {
   const auto places = compiled_.places.of(particle);
@@ -56,47 +41,55 @@ void Step::take_along(const Edits& edits) {
 }
 
 /// Lists what is done to the contact solver's islands. Appends particles of theirs: those of islands that are
-/// made anew, and those of islands that may come together.
-PartEdits Step::list_part_edits(const Edits& edits, Ids& touched, Ids& meeting) const {
+/// made anew.
+PartEdits Step::list_part_edits(const Edits& edits, Ids& touched) const {
   PartEdits out;
-  for (const Joined& each : edits.joined) meeting.insert(meeting.end(), {each.rod.a, each.rod.b});
   for (const std::uint32_t rod : edits.cut) {
     touched.push_back(rods_.end(rod));
     out.cut.push_back(rod);
   }
-  for (const auto& [particle, mass] : last_orders(edits.masses)) {
+  for (const auto& [particle, mass] : edits.masses) {
     touched.push_back(particle);
     out.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));
   }
-  for (const auto& [particle, is_fixed] : last_orders(edits.fixed)) {
-    if (anchors_.is_fixed(particle) == is_fixed) continue;
+  for (const auto& [particle, is_fixed] : edits.fixed)
     if (is_fixed) {
       touched.push_back(particle);
       out.fixed.push_back(particle);
-    } else {
-      append_neighbours(particle, meeting);
     }
-  }
+  return out;
+}
+
+/// Returns the movable ends of rods that are joined, and of those at particles that are freed: all islands
+/// that come together have some.
+Ids Step::meeting(const Edits& edits) const {
+  Ids out;
+  for (const Joined& each : edits.joined) out.insert(out.end(), {each.rod.a, each.rod.b});
+  for (const auto& [particle, is_fixed] : edits.fixed)
+    if (!is_fixed)
+      for (const std::uint32_t rod : breaks_.rods_at(particle))
+        if (breaks_.joins_ends(rod)) out.push_back(breaks_.other_end(rod, particle));
+  std::erase_if(out, [&](std::uint32_t each) { return anchors_.is_fixed(each); });
   return out;
 }
 
 /// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
 Fallen Step::take_out(const Split& now) {
-  Ids parts, linkages, touched, meeting;
-  PartEdits edits = list_part_edits(now.edits, touched, meeting);
-  const auto touch = [&](std::uint32_t particle) {
+  Ids parts, linkages, met, touched;
+  PartEdits edits = list_part_edits(now.edits, touched);
+  const auto touch = [&](std::uint32_t particle, Ids& to) {
     const Place* const place = anchors_.is_fixed(particle) ? nullptr : contact_place(particle);
-    if (!place) return false;
+    if (!place) return;
     const std::uint32_t part = compiled_.contact->island_of(place->slot);
-    parts.push_back(part);
-    if (compiled_.contact->may_go_home(place->slot)) return true;
+    to.push_back(part);
+    if (compiled_.contact->may_go_home(place->slot)) return;
     linkages.push_back(part);
     breaks_.hold(particle);
-    return true;
   };
-  for (const std::uint32_t particle : touched) touch(particle);
-  bool meets = false;
-  for (const std::uint32_t particle : meeting) meets = touch(particle) || meets;
+  for (const std::uint32_t particle : touched) touch(particle, parts);
+  for (const std::uint32_t particle : meeting(now.edits)) touch(particle, met);
+  parts.insert(parts.end(), met.begin(), met.end());
+  sort_once(met);
   sort_once(parts);
   sort_once(linkages);
   take_along(now.edits);
@@ -113,30 +106,27 @@ Fallen Step::take_out(const Split& now) {
   out.leaving.insert(out.leaving.end(), out.of_linkages.begin(), out.of_linkages.end());
   out.parts = std::move(parts);
   out.part_edits = std::move(edits);
-  out.meets = meets;
+  out.met = std::move(met);
   return out;
 }
 
-/// Returns what is made anew without what has a home alone, where it is now.
-MetIslands Step::met_islands(const Fallen& fallen) const {
-  MetIslands out{.particles = fallen.particles, .rods = fallen.rods};
-  out.scene.gravity = fallen.scene.gravity;
-  out.scene.drag = fallen.scene.drag;
-  out.scene.particles = fallen.scene.particles;
-  out.scene.rods = fallen.scene.rods;
-  if (mass_model_of(settings_) == MassModel::lumped) lump_masses(out.scene);
-  return out;
-}
-
-/// Makes the contact solver's islands anew. Those that may have come together are looked at as one scene.
+/// Makes the contact solver's islands anew. Those that come together are looked at as one scene, as it is
+/// now.
 std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
   ContactSolver& contact = *compiled_.contact;
-  if (!fallen.meets) return contact.make_anew(fallen.parts, fallen.part_edits);
-  Ids met, others;
-  for (const std::uint32_t part : fallen.parts)
-    (contact.may_go_home(contact.first_slot(part)) ? met : others).push_back(part);
+  Ids others;
+  std::set_difference(fallen.parts.begin(), fallen.parts.end(), fallen.met.begin(), fallen.met.end(),
+                      std::back_inserter(others));
   std::vector<ContactSolver::Made> out = contact.make_anew(others, fallen.part_edits);
-  const auto made = contact.make_met(met, fallen.part_edits, met_islands(fallen));
+  if (fallen.met.empty()) return out;
+  NamedPart now{.particles = fallen.particles, .rods = fallen.rods};
+  now.scene.gravity = fallen.scene.gravity;
+  now.scene.drag = fallen.scene.drag;
+  now.scene.particles = fallen.scene.particles;
+  now.scene.rods = fallen.scene.rods;
+  if (mass_model_of(settings_) == MassModel::lumped) lump_masses(now.scene);
+  const std::vector<ContactSolver::Made> made =
+      contact.make_met(fallen.met, fallen.part_edits, std::move(now));
   out.insert(out.end(), made.begin(), made.end());
   return out;
 }
