@@ -66,5 +66,16 @@ TEST(DirectFloat, LightLinksOfAHeavyEndAreSolvedInDouble) {
   EXPECT_NE(run(10, 10, Precision::single), run(10, 10, Precision::double_));
 }
 
+// Method automatic then chooses as it does in double, a time order among the rest.
+TEST(DirectFloat, AutomaticChoosesForLightLinksAsInDouble) {
+  const auto run = [](Precision precision) {
+    World world(scenes::make_chain(5, 0.1, 1e5), {.precision = precision, .accuracy = 1e-4, .threads = 1});
+    EXPECT_EQ(world.info().direct_time_order, 4u);
+    test::run(world, 1.0 / 60, 60);
+    return test::positions_of(world);
+  };
+  EXPECT_EQ(run(Precision::single), run(Precision::double_));
+}
+
 }  // namespace
 }  // namespace plumb

@@ -20,9 +20,6 @@ using layouts::lane_width;
 
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
-/// Float rounds what the heaviest pulls by up to 0.4 % of what the lightest weighs, if that is so much
-/// lighter.
-constexpr double widest_in_float = 0x1p16;
 
 /// Returns the elements of an island.
 LoopElements local_elements(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
@@ -88,9 +85,7 @@ class Maker {
         rules_(rules),
         report_(report),
         bends_(scene),
-        reeled_(reeled_rods(scene)) {
-    if (settings.precision == Precision::single) masses_ = lumped_masses(scene);
-  }
+        reeled_(reeled_rods(scene)) {}
 
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
@@ -109,39 +104,15 @@ class Maker {
       if (equal.empty()) continue;
       if (!tree || is_held_below_root(*tree))
         add_loops(equal, local.view(), {});
+      else if (rules_.precision == Precision::double_)
+        add_trees<double>(equal, *tree);
       else
-        add_trees(equal, *tree);
+        add_trees<float>(equal, *tree);
     }
     return std::move(made_);
   }
 
  private:
-  /// Rounding of float, in how far an elastic cable is stretched where it comes tight, gives it energy.
-  bool needs_double(std::uint32_t island) const {
-    if (settings_.precision != Precision::single || has_wide_masses(island)) return true;
-    if (settings_.gradient == Gradient::old) return false;
-    for (const std::uint32_t i : sets_.islands.edges(island))
-      if (const RodLaw& law = scene_.rods[i].law; law.one_sided && law.is_elastic()) return true;
-    return false;
-  }
-  /// Says whether pulls of the heaviest, rounded to float, move the lightest as if they were a force.
-  bool has_wide_masses(std::uint32_t island) const {
-    double most = 0, most_inverse = 0;
-    for (const std::uint32_t i : sets_.islands.vertices(island)) {
-      if (!scene_.particles[i].fixed) most = std::max(most, masses_[i]);
-      most_inverse = std::max(most_inverse, 1 / masses_[i]);
-    }
-    return most * most_inverse > widest_in_float;
-  }
-  void add_trees(std::vector<std::uint32_t> equal, const layouts::Tree& tree) {
-    const auto single = std::stable_partition(equal.begin(), equal.end(),
-                                              [&](std::uint32_t island) { return needs_double(island); });
-    std::vector<std::uint32_t> in_single(single, equal.end());
-    equal.erase(single, equal.end());
-    if (!equal.empty()) add_trees<double>(equal, tree);
-    if (!in_single.empty()) add_trees<float>(in_single, tree);
-  }
-
   MassModel model() const { return mass_model_of(settings_); }
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 
@@ -384,7 +355,6 @@ class Maker {
   StartReport& report_;
   const BendTable bends_;
   const std::vector<std::uint8_t> reeled_;
-  std::vector<double> masses_;  // if it is float that solves
   std::shared_ptr<LoopRules> loop_rules_;
   std::vector<MadeSolver> made_;
 };

@@ -13,8 +13,9 @@ namespace plumb::detail {
 struct DirectRules {
   Gradient gradient = Gradient::mid;
   std::uint32_t time_order = 2;
-  bool changes_gradient = false;  ///< Trees may take gradient mid while they are calm.
-  bool bounds_frames = false;     ///< Substeps may take so many times the usual work (Effort).
+  bool changes_gradient = false;             ///< Trees may take gradient mid while they are calm.
+  bool bounds_frames = false;                ///< Substeps may take so many times the usual work (Effort).
+  Precision precision = Precision::double_;  ///< of trees; islands with loops or elements have double
 
   bool operator==(const DirectRules&) const = default;
 };

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "direct/direct_solvers.hpp"
 #include "interface/island_shape.hpp"
+#include "plumb/layouts/graph.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
@@ -39,5 +41,27 @@ Gradient choose_gradient(const Scene& scene, IslandShape shape, std::span<const 
 /// enough for that to pay, else 2.
 std::uint32_t choose_time_order(const Scene& scene, Gradient gradient, bool is_tree,
                                 std::span<const std::uint32_t> rods, const Settings& settings);
+
+/// Says how an island is moved.
+struct Choice {
+  Method method = Method::relax;
+  DirectRules direct{};  ///< of method direct
+
+  bool operator==(const Choice&) const = default;
+};
+
+/// Names an island of particles and rods: its graph, and the scene's numbers of both.
+struct IslandNumbers {
+  const layouts::Graph& graph;
+  std::span<const std::uint32_t> particles, rods;
+};
+
+/// Chooses for an island of particles and rods. `masses` (kg) are lumped_masses() of the scene, if the
+/// precision is float.
+Choice choose(const Scene& scene, const IslandNumbers& island, std::span<const double> masses,
+              const Settings& settings);
+/// Chooses for an island with elements. Method automatic solves it directly, with gradient mid if none is
+/// set: gradient old knows no elements.
+Choice choose_with_elements(const Settings& settings);
 
 }  // namespace plumb::detail

@@ -18,48 +18,11 @@
 namespace plumb::detail {
 namespace {
 
-/// Says how an island is moved.
-struct Choice {
-  Method method = Method::relax;
-  DirectRules direct{};  ///< of method direct
-
-  bool operator==(const Choice&) const = default;
-};
-
 /// Lists the islands that are moved alike.
 struct Share {
   Choice choice;
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
-
-/// An island with elements is solved directly, with gradient mid if none is set: gradient old knows no
-/// elements.
-Choice choose_with_elements(const Settings& settings) {
-  if (settings.method != Method::automatic)
-    return {settings.method, {gradient_of(settings), settings.time_order, false}};
-  return {Method::direct, {settings.gradient.value_or(Gradient::mid), 2, false}};
-}
-
-IslandShape shape_of(const layouts::Graph& island) {
-  if (const auto tree = layouts::find_tree(island))
-    return tree->ties.size() > 1 ? IslandShape::tied : IslandShape::tree;
-  return is_thin(island) ? IslandShape::thin : is_vast(island) ? IslandShape::vast : IslandShape::wide;
-}
-
-Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const std::uint32_t> rods,
-              const Settings& settings) {
-  if (settings.method != Method::automatic)
-    return {settings.method, {gradient_of(settings), settings.time_order, false}};
-  const IslandShape shape = shape_of(island);
-  Choice out{choose_method(scene, shape, rods, settings), {}};
-  if (out.method != Method::direct) return out;
-  out.direct.gradient = choose_gradient(scene, shape, rods, settings);
-  out.direct.time_order = choose_time_order(scene, out.direct.gradient, is_tree(shape), rods, settings);
-  out.direct.bounds_frames = !settings.accuracy && !settings.gradient;
-  out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
-                                out.direct.gradient == Gradient::old && out.direct.time_order == 2;
-  return out;
-}
 
 /// Returns whether a body's mass matrix has nothing between its particles.
 bool has_point_masses(const Scene& scene, std::size_t body) {
@@ -301,15 +264,19 @@ class Compiler {
 
   std::vector<Share> shares_of(const layouts::Islands& islands) {
     std::vector<Share> shares;
+    std::vector<double> masses;
+    if (settings_.precision == Precision::single) masses = lumped_masses(scene_);
     for (const auto& equal : layouts::group_equal_islands(graph_, islands)) {
       const layouts::LocalGraph local = layouts::local_graph(graph_, islands, equal.front());
       std::vector<std::size_t> joined;  // shares that this set's islands went to
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
         ++islands_of_rods_;
-        const Choice choice = elements_.any_of(island)
-                                  ? choose_with_elements(settings_)
-                                  : choose(scene_, local.view(), islands.edges(island), settings_);
+        const Choice choice =
+            elements_.any_of(island)
+                ? choose_with_elements(settings_)
+                : choose(scene_, {local.view(), islands.vertices(island), islands.edges(island)}, masses,
+                         settings_);
         auto share = std::find_if(shares.begin(), shares.end(),
                                   [&](const Share& each) { return each.choice == choice; });
         if (share == shares.end()) share = shares.insert(shares.end(), {choice, {}});
