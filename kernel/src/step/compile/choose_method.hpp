@@ -31,9 +31,9 @@ Method choose_method(const Scene& scene, IslandShape shape, std::span<const std:
 /// % slack takes 43 Newton steps a frame with mid and 4 with new.
 ///
 /// With an accuracy the gradient is old, but mid for loops of rods with mass. Trees may then change to mid
-/// and back (see make_direct_simulation). In tied trees with mass, old must pay by its order 4. In steps that
-/// change it lets energy drift: 40 four-bars at an accuracy of 1e-4 are 400 times nearer to the truth after
-/// 20 s with mid, by as many steps.
+/// and back (DirectRules::changes_gradient). In tied trees with mass, old must pay by its order 4. In steps
+/// that change it lets energy drift: 40 four-bars at an accuracy of 1e-4 are 400 times nearer to the truth
+/// after 20 s with mid, by as many steps.
 Gradient choose_gradient(const Scene& scene, IslandShape shape, std::span<const std::uint32_t> rods,
                          const Settings& settings);
 
