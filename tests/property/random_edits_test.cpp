@@ -59,6 +59,7 @@ struct Twins {
   std::vector<double> masses;
   std::vector<std::uint32_t> ropes;  // at the start, by particle
   std::vector<Handle<Particle>> gone;
+  std::uint32_t rods;  // at the start, of 0.1 m each
   double frame = 1.0 / 240;
 
   Vec3 momentum() const {
@@ -97,7 +98,7 @@ void change_settings(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 12), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 14), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -124,6 +125,12 @@ bool edit(Twins& twins, Random& random) {
   if (kind == 9) {
     both([&](World& world) { world.free(particle); });
     return true;
+  }
+  if (kind > 11) {
+    if (rod >= twins.rods) return false;  // how long a joined one is, nobody knows here
+    const double length = between(random, 0.09, 0.11);
+    both([&](World& world) { world.set_length(rod, length); });
+    return false;
   }
   if (kind > 9) {
     // Within a rope a rod would close triangles that are straight, which nothing solves exactly.
@@ -165,7 +172,12 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
   if (settings.method == Method::relax) settings.stop.sweeps = 20;
   Settings with_two = settings;
   with_two.threads = 2;
-  Twins twins{World(scene, settings), World(scene, with_two), {}, {}, {}};
+  Twins twins{World(scene, settings),
+              World(scene, with_two),
+              {},
+              {},
+              {},
+              static_cast<std::uint32_t>(scene.rods.size())};
   for (const Particle& particle : scene.particles) twins.masses.push_back(particle.mass);
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
     const bool begins =

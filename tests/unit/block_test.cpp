@@ -130,7 +130,7 @@ TEST(Relax, OfATeamIsThatOfOneThread) {
     StepReport report;
     relax_alone(alone[k], 0, alone[k].packing().positions, one_substep(5), report);
     alone[k].count_substeps(1);
-    team.lead(nullptr, [&] { relax_block(shared[k], one_substep(5), true, report, team); });
+    team.lead(nullptr, [&] { relax_block(shared[k], one_substep(5), 0, report, team); });
     for (std::uint32_t slot = 0; slot < alone[k].packing().slot_vertex.size(); ++slot) {
       EXPECT_EQ(alone[k].read(alone[k].x(), slot), shared[k].read(shared[k].x(), slot));
       EXPECT_EQ(alone[k].read(alone[k].displacement(0), slot),

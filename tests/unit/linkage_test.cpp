@@ -75,9 +75,9 @@ TEST(Linkage, ViolationsAreStrains) {
   LinkageState& state = islands.states.front();
   std::vector<simd::Quad> numbers_of(state.linkage->plan().columns());
   const std::span<double> right = numbers(numbers_of);
-  EXPECT_EQ(state.linkage->violations(state.x, right), 0);
+  EXPECT_EQ(state.linkage->violations(state.x, {}, right), 0);
   state.x[1].x = 2.2;
-  EXPECT_NEAR(state.linkage->violations(state.x, right), 0.1 + 0.005, 1e-15);
+  EXPECT_NEAR(state.linkage->violations(state.x, {}, right), 0.1 + 0.005, 1e-15);
 }
 
 // Newton by mass: constraints hold afterwards, and what is heavy has moved the least.

@@ -4,16 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <vector>
 
+#include "contact/lengths/rod_lengths.hpp"
 #include "direct/laws/held_rods.hpp"
 #include "direct/laws/law_factors.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/laws/pulls_ahead.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/laws/tree_rods.hpp"
-#include "direct/velocities/changes.hpp"
+#include "interface/changes.hpp"
 #include "interface/problems.hpp"
 #include "plumb/report.hpp"
 #include "scenes/generators/generators.hpp"
@@ -174,55 +174,53 @@ TEST(HeldRods, AreHeldAlongWhereTheyPulled) {
   EXPECT_LE(norm(n.state.hold[0] - 2 * unit * Vec3{0.1, 0, 0}), 1e-15);
 }
 
-struct SolverOfLengths : Solver {
-  std::uint32_t islands(std::uint32_t) const override { return 1; }
-  double advance(std::uint32_t, double, std::uint32_t, unsigned, Tally&) override { return 0; }
-  double& best_substep(std::uint32_t) override { return best; }
-  void save(std::uint32_t, Saved) override {}
-  void restore(std::uint32_t, Saved) override {}
-  void mark(std::uint32_t) override {}
-  double distance_from_mark(std::uint32_t) const override { return 0; }
-  bool is_slower(std::uint32_t, double) const override { return false; }
-  void rest(std::uint32_t) override {}
-  double size(std::uint32_t) const override { return 1; }
-  Vec3 position(Slot) const override { return {}; }
-  Vec3 velocity(Slot) const override { return {}; }
-  void add_to_hash(Slot, StateHash&) const override {}
-  double read(std::span<const Slot>, std::span<Vec3>) const override { return 0; }
-  void set_force(Slot, Vec3) override {}
-  void archive(Archive&) override {}
-  void move_anchor(Slot, const AnchorMove&) override {}
-  void place_anchor(Slot, Vec3) override {}
-  void set_motion(Slot, Vec3, Vec3) override {}
-  void set_away(Slot, bool) override {}
-  bool is_away(std::uint32_t) const override { return false; }
-  void describe(WorldInfo&) const override {}
-  void set_length(Slot, double new_length, double new_rate) override { length = new_length, rate = new_rate; }
-
-  double best = 0, length = 0, rate = 0;
-};
-
 TEST(Lengths, GoStraightAndStop) {
-  const Scene scene = scenes::make_chain(2);
-  Lengths lengths(scene);
-  std::vector<std::unique_ptr<Solver>> solvers;
-  solvers.push_back(std::make_unique<SolverOfLengths>());
-  const auto& solver = static_cast<const SolverOfLengths&>(*solvers[0]);
-  const Places::Entry entry{1, {0, 0}};
-  const CordPlaces places{Places(2, std::span(&entry, 1)), {}};
+  Lengths lengths(scenes::make_chain(2));
+  double length = 0, rate = 0;
+  const auto tell = [&](std::uint32_t rod, double new_length, double new_rate) {
+    EXPECT_EQ(rod, 1u);
+    length = new_length, rate = new_rate;
+  };
   lengths.set_target(1, 0.3);
-  lengths.begin_step(0.5, places, solvers);
-  EXPECT_EQ(solver.length, 0.1);
-  EXPECT_NEAR(solver.rate, 0.4, 1e-15);
-  lengths.end_step(places, solvers);
+  lengths.begin_step(0.5, tell);
+  EXPECT_EQ(length, 0.1);
+  EXPECT_NEAR(rate, 0.4, 1e-15);
+  lengths.end_step(tell);
   EXPECT_EQ(lengths.length(1), 0.3);
-  EXPECT_EQ(solver.length, 0.3);
-  EXPECT_NEAR(solver.rate, 0.4, 1e-15) << "velocities at the end of the step have it";
+  EXPECT_EQ(length, 0.3);
+  EXPECT_NEAR(rate, 0.4, 1e-15) << "velocities at the end of the step have it";
   ASSERT_EQ(lengths.moving().size(), 1u);
-  lengths.begin_step(0.5, places, solvers);
-  EXPECT_EQ(solver.rate, 0);
-  lengths.end_step(places, solvers);
+  lengths.begin_step(0.5, tell);
+  EXPECT_EQ(rate, 0);
+  lengths.end_step(tell);
   EXPECT_TRUE(lengths.moving().empty());
+}
+
+// A rod of 2 m that is hauled in by 1 m/s from 1.5 m, and pulls with 4 N s in the first half second.
+TEST(RodLengths, FollowTheirRates) {
+  RodLengths lengths;
+  EXPECT_TRUE(lengths.squares().empty());
+  EXPECT_EQ(lengths.square(1), 1);
+  lengths.set(1, 2, 2, 1.5, -1);
+  EXPECT_TRUE(lengths.move());
+  EXPECT_TRUE(lengths.jump());
+  EXPECT_EQ(lengths.speed(), 1);
+  EXPECT_EQ(lengths.square(0), 1);
+  EXPECT_NEAR(lengths.square(1), 0.75 * 0.75, 1e-15);
+  lengths.follow(0.5);
+  EXPECT_NEAR(lengths.square(1), 0.25, 1e-15);
+  EXPECT_NEAR(lengths.changes()[0].half_square_rate, -0.25, 1e-15) << "L L' over the square of 2 m";
+  lengths.follow_last();
+  EXPECT_EQ(lengths.changes()[0].half_square_rate, 0) << "it stood before";
+  lengths.begin_step();
+  lengths.begin_pulls(std::vector<double>{7, 1});
+  lengths.end_pulls(std::vector<double>{8, 5});
+  EXPECT_EQ(lengths.changes()[0].work, 2) << "at the mean of both rates";
+  lengths.end_substep();
+  EXPECT_FALSE(lengths.jump());
+  lengths.set(1, 2, 2, 1, 0);
+  EXPECT_FALSE(lengths.move());
+  EXPECT_TRUE(lengths.jump());
 }
 
 TEST(Problems, AreWhatCountsSay) {

@@ -89,7 +89,7 @@ class PLUMB_API World {
   /// executor alone, without set_accuracy(). The next step then takes out, without a blow, how far solved
   /// rods are off their length, which wakes them. Pulls may be NaN until then. Throws InputError, and changes
   /// nothing, on what a constructor refuses, and from or to springs, multipliers and featherstone. So it does
-  /// if twists, reels, cut rods with mass, relaxed rods of changed length or unfit grabs are made anew.
+  /// if twists, reels, cut rods with mass or unfit grabs are made anew.
   void set_settings(const Settings& settings);
   /// Returns the settings of now, with what was changed since; valid until set_settings() or restore().
   const Settings& settings() const;
@@ -158,7 +158,7 @@ class PLUMB_API World {
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. A broken
   /// one ignores it. Throws InputError on an unknown rod, a length that is not positive and finite, and rods
-  /// that are relaxed, of a reel, twisted, or of islands with joints or shapes.
+  /// of reels or twists. Beside joints or shapes it does so on rods that give, bend, drag or are of a body.
   void set_length(std::uint32_t rod, double target);
 
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the

@@ -182,6 +182,7 @@ void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
   for (LinkageState* const state : cluster(piece)) {
     state->elapsed = 0;
     if (!state->asleep) state->pulls.begin_step();
+    state->lengths.begin_step();
     if (!grabs_.empty()) begin_grabs(*state);
   }
 }

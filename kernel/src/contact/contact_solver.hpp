@@ -53,6 +53,12 @@ class ContactSolver final : public Solver {
   }
   std::uint32_t movable_of(std::uint32_t island) const { return states_[island].linkage->movable(); }
   Slot first_slot(std::uint32_t island) const { return first_slot_[island]; }
+  /// Returns whether a rod of the scene is here, wherever its island is now.
+  bool has_rod(std::uint32_t rod) const { return rod < rods_.size() && rods_[rod].island < ended; }
+  /// Returns why such a rod cannot change its length, or null if it can.
+  const char* keeps_length(std::uint32_t rod) const;
+  /// See Solver. Rods have their numbers in the scene.
+  void set_length(Slot rod, double length, double rate) override;
   /// Returns whether a shape of the scene is still there. Hulls follow capsules.
   bool has_shape(std::uint32_t shape) const { return shapes_[shape].island != ended; }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
@@ -140,6 +146,7 @@ class ContactSolver final : public Solver {
   bool has_broken(std::uint32_t rod) const;
   /// Returns the mean pull (N) of a rod of the scene in the last step. All means are NaN before the first.
   double pull_of_rod(std::uint32_t rod) const;
+  double power_of_rod(std::uint32_t rod) const;  ///< W, likewise, with which it changed its length
   /// See World::pin_force() and its like.
   Vec3 pin_force(std::uint32_t pin) const;
   double angle_torque(std::uint32_t angle) const;

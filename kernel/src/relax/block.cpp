@@ -65,6 +65,7 @@ void Block<T>::set_weights(const Weighing& by) {
   if (std::find(frozen_slots_.begin(), frozen_slots_.end(), 1) != frozen_slots_.end())
     retire_frozen_rods(0, packing_.positions);
   for (const Grabbed& each : grabbed_) weigh_grabbed(each, by);
+  for (const ChangedRod& each : changed_) tell_apart(each.lane);
 }
 
 template <class T>

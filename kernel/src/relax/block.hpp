@@ -40,6 +40,12 @@ class Block {
   /// them.
   void set_weights(const Weighing& by);
 
+  /// Lets the rod in a lane be `length` (m) long at a step's start, and change that by `rate` (m/s) in it.
+  void set_length(std::size_t lane, double length, double rate);
+  double rate(std::size_t lane) const;  ///< m/s, with which it does so
+  /// Makes the rods of positions [q0, q1) as long as they are `t` (s) after the step's start.
+  void follow_lengths(std::uint32_t q0, std::uint32_t q1, double t);
+
   /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.
   /// set_weights() is due then.
   void add_grabbed(std::uint32_t slot, double inverse_mass);
@@ -116,15 +122,18 @@ class Block {
   void read_run(const T* field, const Run& run, Vec3* out) const {
     if (run.rows > 1 && run.row_address != 1) return run.read_addresses(out, reader(field));
     read_rows(run,
-              RowsAt<T>{field + run.address, packing_.component_stride,
+              RowsAt<T>{field + run.address, static_cast<std::ptrdiff_t>(packing_.component_stride),
                         static_cast<std::int32_t>(run.address_stride)},
               out);
   }
 
-  /// Lists which rods do not take part. Returns whether that has changed, so that set_weights() is due.
+  /// Lists which rods do not take part, and how long others have become. Returns whether set_weights() is due
+  /// after that.
   bool archive_rods(Archive& archive) {
     const bool breaks = archive.changes(broken_), freezes = archive.changes(frozen_slots_);
-    return breaks || freezes;
+    const bool had_changed = !changed_.empty();
+    archive(changed_, changed_length2_);
+    return breaks || freezes || (archive.restores() && (had_changed || !changed_.empty()));
   }
   /// Lists what else substeps leave to the next one. Weights and laws follow from rules and from which rods
   /// take part.
@@ -132,7 +141,7 @@ class Block {
     auto& [packing, x, displacements, kick, accumulator, rod, weight, law, law_start, shift, half_kick, gives,
            moved, pulls, mass_of_move, strengths, square_bounds, broken, omega, newest, uniform,
            uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling, frozen_slots,
-           grabbed] = *this;
+           grabbed, changed, changed_length2] = *this;
     archive(x, displacements[newest & 1], displacements[(newest + 1) & 1], kick, half_kick, pulls,
             moving_anchors, settling);
   }
@@ -170,6 +179,12 @@ class Block {
   }
 
  private:
+  /// A rod that changes its length, or has.
+  struct ChangedRod {
+    std::uint64_t lane;
+    double length, rate;  ///< m at a step's start, and m/s in it
+    void archive(Archive& archive) { archive(lane, length, rate); }
+  };
   /// A slot that is grabbed, and its rods: their lanes, and the slots of their ends.
   struct Grabbed {
     struct Rod {
@@ -183,6 +198,11 @@ class Block {
   double inverse_mass_of(std::uint32_t slot, const Constants& constants) const;
   void weigh_grabbed(const Grabbed& of, const Weighing& by);
   void weigh_rod(std::size_t lane, std::uint32_t slot_a, std::uint32_t slot_b, const Weighing& by);
+  std::size_t first_changed(std::size_t lane) const;
+  double length2_of(std::size_t lane, const Constants& constants) const;
+  void write_length(std::size_t lane, double length);
+  /// Lets the range of a lane be visited with the weights of each rod.
+  void tell_apart(std::size_t lane);
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
   std::vector<std::uint32_t> slots_by_element() const;
   std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
@@ -229,6 +249,8 @@ class Block {
   bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
   std::vector<Grabbed> grabbed_;
+  std::vector<ChangedRod> changed_;      ///< by lane
+  std::vector<double> changed_length2_;  ///< by lane, m², or 0 for the others; none if no rod has changed
 };
 
 extern template class Block<float>;

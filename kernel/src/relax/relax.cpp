@@ -342,16 +342,18 @@ void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const Rela
   Alone alone;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
+    block.follow_lengths(q0, q1, settings.start + (substep + 1) * settings.h);
     const Moved<T> moved{block, block.displacement(odd), block.displacement(1 - odd), q0, q1, substep == 0};
     Substep<T, Alone>(moved, settings, report, alone).run();
   }
 }
 
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, bool is_first, StepReport& report,
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, std::uint32_t substep, StepReport& report,
                  Team& team) {
+  block.follow_lengths(0, block.packing().positions, (substep + 1) * settings.h);
   const Moved<T> moved{block, block.displacement(0),     block.displacement(1),
-                       0,     block.packing().positions, is_first};
+                       0,     block.packing().positions, substep == 0};
   Substep<T, Team>(moved, settings, report, team).run();
   block.count_substeps(1);
 }
@@ -360,7 +362,7 @@ template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const Rel
                           StepReport&);
 template void relax_alone(Block<double>&, std::uint32_t, std::uint32_t, const RelaxSettings<double>&,
                           StepReport&);
-template void relax_block(Block<float>&, const RelaxSettings<float>&, bool, StepReport&, Team&);
-template void relax_block(Block<double>&, const RelaxSettings<double>&, bool, StepReport&, Team&);
+template void relax_block(Block<float>&, const RelaxSettings<float>&, std::uint32_t, StepReport&, Team&);
+template void relax_block(Block<double>&, const RelaxSettings<double>&, std::uint32_t, StepReport&, Team&);
 
 }  // namespace plumb::detail

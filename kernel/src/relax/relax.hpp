@@ -27,6 +27,7 @@ struct RelaxSettings {
   /// Make impulses of what sweeps moved rods by, in 1/s, see Block::count_moves(); 0 if nobody asks.
   double first_pull = 0, pull = 0;
   double h = 0;        ///< substep, in s
+  double start = 0;    ///< when relax_alone() begins, in s after the step did
   BlockGrabs grabs{};  ///< of particles that something grabs
 };
 
@@ -37,10 +38,9 @@ template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
                  StepReport& report);
 
-/// Advances a whole block by one substep with all threads of the team, and counts it. `is_first` says which
-/// terms it takes.
+/// Advances a whole block by its substep number `substep` with all threads of the team, and counts it.
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, bool is_first, StepReport& report,
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, std::uint32_t substep, StepReport& report,
                  Team& team);
 
 }  // namespace plumb::detail

@@ -86,13 +86,8 @@ void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_pt
     MadeSolver& made = out.emplace_back();
     for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot)
       made.places.push_back({packing.slot_vertex[slot], slot});
-    const bool may_break =
-        std::any_of(packing.lane_edge.begin(), packing.lane_edge.end(), [&](std::uint32_t rod) {
-          return rod != layouts::none && std::isfinite(scene.rods[rod].law.strength);
-        });
-    if (rules->settings.tensions || may_break)
-      for (Slot lane = 0; lane < packing.lane_edge.size(); ++lane)
-        if (packing.lane_edge[lane] != layouts::none) made.cords.push_back({packing.lane_edge[lane], lane});
+    for (Slot lane = 0; lane < packing.lane_edge.size(); ++lane)
+      if (packing.lane_edge[lane] != layouts::none) made.cords.push_back({packing.lane_edge[lane], lane});
     made.solver = std::make_unique<RelaxSolver<T>>(rules, scene, std::move(packing));
     if (rules->settings.tensions) made.solver->count_pulls();
   }

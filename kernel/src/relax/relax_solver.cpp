@@ -68,7 +68,8 @@ void RelaxSolver<T>::begin_step(double dt, Team& team) {
   if (wants_team()) begin_pulls(0);
   if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
   block_.release_anchors();
-  if (!has_moved_ && starts_off_length_) block_.settle();
+  elapsed_ = 0;
+  if (std::exchange(lengths_jump_, false) || (!has_moved_ && starts_off_length_)) block_.settle();
   for (const auto& [slot, move] : anchors_)
     block_.move_anchor(slot, (1.0 / rules_->settings.substeps) * (move.to - position(slot)));
   block_.sort_moving_anchors();
@@ -134,6 +135,7 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) {
           pull_of_moves(last_h_),
           pull_of_moves(h_),
           h_,
+          0,
           {grabs_, rules_->verlet.kick({1, 0, 0}, h_).x, h_, rules_->verlet.decay(h_)}};
 }
 
@@ -165,6 +167,7 @@ double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t coun
   }
   RelaxSettings<T> settings = settings_for(block_.rods(begin, end), parts_);
   settings.substeps = count;
+  if (is_controlled()) settings.start = std::exchange(elapsed_, elapsed_ + h * count);
   relax_alone(block_, begin, end, settings, report);
   if (is_controlled()) {
     block_.count_substeps(count);
@@ -182,7 +185,7 @@ bool RelaxSolver<T>::wants_team() const {
 template <class T>
 void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, StepReport& report) {
   const RelaxSettings<T> settings = settings_for(block_.rods(), 1);
-  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, i == 0, report, team);
+  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, i, report, team);
 }
 
 template <class T>
@@ -228,6 +231,7 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   to.pulls = block_.pulls();
   block_.save_rods(to.rods);
   to.h = h_;
+  to.elapsed = elapsed_;
   to.grabs = grabs_;
   to.has_moved = has_moved_;
 }
@@ -244,6 +248,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   block_.restore_rods(from.rods);
   kicks_stale_ = kicks_stale_ || h_ != from.h;
   h_ = from.h;
+  elapsed_ = from.elapsed;
   grabs_ = from.grabs;
   has_moved_ = from.has_moved;
 }

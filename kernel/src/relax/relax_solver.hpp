@@ -99,15 +99,17 @@ class RelaxSolver final : public Solver {
   void count_pulls() override;
   double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
   bool is_broken(Slot lane) const override { return block_.is_broken(lane); }
+  void set_length(Slot lane, double length, double rate) override;
 
   /// Initial velocities are those of the scene until a program hands over others. What an accuracy saves
   /// stands within a step alone, as do paths of anchors.
   void archive(Archive& archive) override {
     auto& [rules, kernels, block, pieces, islands, away, slots_of, rests, size, h, last_h, parts, has_moved,
-           kicks_stale, starts_off_length, forces, grabs, anchors, saved, mark, best_substep] = *this;
+           kicks_stale, starts_off_length, lengths_jump, elapsed, forces, grabs, anchors, saved, mark,
+           best_substep] = *this;
     if (block.archive_rods(archive)) weigh();
-    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces, grabs,
-            best_substep);
+    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, lengths_jump,
+            forces, grabs, best_substep);
     if (archive.restores() && h > 0) weigh_grabs(h);
     if (has_moved) return;
     for (const std::uint32_t particle : block.packing().slot_vertex)
@@ -130,7 +132,7 @@ class RelaxSolver final : public Solver {
     layouts::AlignedBuffer<T> x, last, before, half_kick;
     std::vector<double> pulls;
     typename Block<T>::SavedRods rods;
-    double h = 0;
+    double h = 0, elapsed = 0;
     bool has_moved = false;
     std::vector<BlockGrab> grabs{};
   };
@@ -174,7 +176,9 @@ class RelaxSolver final : public Solver {
   double last_h_ = 0;                            ///< The one before took it; 0 before the first.
   unsigned parts_ = 1;                           ///< The team has so many in this step.
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
-  std::vector<Vec3> forces_;  ///< They are in N, per slot; it is empty until one is set.
+  bool lengths_jump_ = false;  ///< some rate has changed since the last step began
+  double elapsed_ = 0;         ///< s, of this step, if an accuracy is set
+  std::vector<Vec3> forces_;   ///< They are in N, per slot; it is empty until one is set.
   std::vector<BlockGrab> grabs_;
   std::vector<MovingAnchor> anchors_;
   // An accuracy needs these:

@@ -141,9 +141,7 @@ void Step::wake(StepReport&) {
   reactions_.begin_step([&](std::uint32_t particle) { return position(particle); },
                         [&](std::uint32_t particle) { return velocity(particle); },
                         [&](std::uint32_t anchor) { return anchors_.velocity(anchor, dt_); });
-  for (const std::uint32_t rod : lengths_.moving())
-    for (const Place place : compiled_.cords.of(rod)) sleep_.wake(compiled_.solvers, place);
-  lengths_.begin_step(dt_, compiled_.cords, compiled_.solvers);
+  begin_lengths();
   if (compiled_.contact) {
     compiled_.contact->begin_ground(dt_, [&](std::uint32_t anchor) {
       return std::pair(anchors_.position(anchor), anchors_.velocity(anchor, dt_));
@@ -256,7 +254,7 @@ void Step::measure(StepReport& report) {
   }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
   end_grabs();
-  lengths_.end_step(compiled_.cords, compiled_.solvers);
+  lengths_.end_step([this](auto... of) { tell_length(of...); });
   if (compiled_.contact) compiled_.contact->after_step();
 }
 
@@ -333,21 +331,6 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
   anchors_.set_target(particle, target);
 }
 
-void Step::set_length(std::uint32_t cord, double target) {
-  if (!is_line(cord) && is_broken(cord)) return;  // it has no length any more
-  if (waits(cord)) refuse("rod ", cord, ": is joined in the next step, and keeps its length until then");
-  const auto places = compiled_.cords.of(cord);
-  if (places.empty() || solver(places.front()).sweeps())
-    refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
-  if (is_visiting(cord))
-    refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
-  if (cord < reeled_.size() && reeled_[cord] != 0)
-    refuse("rod ", cord, ": its length cannot change by itself, since it is on a reel");
-  if (cord < twisted_.size() && twisted_[cord] != 0)
-    refuse("rod ", cord, ": its length cannot change, since its chain is twisted");
-  lengths_.set_target(cord, target);
-}
-
 void Step::set_twist(std::uint32_t twist, double angle) {
   for (const Place place : compiled_.twists.of(twist)) {
     solver(place).set_twist(place.slot, angle);
@@ -360,12 +343,6 @@ void Step::set_twist(std::uint32_t twist, double angle) {
 double Step::twist(std::uint32_t twist) const {
   const auto places = compiled_.twists.of(twist);
   return places.empty() ? 0 : solver(places.front()).twist(places.front().slot);
-}
-
-/// Returns whether a rod belongs to an island that the contact solver may move.
-bool Step::is_visiting(std::uint32_t cord) const {
-  if (!compiled_.contact || is_line(cord)) return false;
-  return &solver(compiled_.places.of(rods_.end(cord)).back()) == compiled_.contact;
 }
 
 bool Step::is_broken(std::uint32_t rod) const {

@@ -285,7 +285,9 @@ class Step {
   void wake_grabbed(std::uint32_t number);
   std::vector<std::uint32_t> take_grabs(std::span<const std::uint32_t> particles);
   void put_grabs(std::span<const std::uint32_t> numbers);
-  bool is_visiting(std::uint32_t cord) const;
+  void begin_lengths();
+  void tell_length(std::uint32_t cord, double length, double rate);
+  bool is_in_contact(std::uint32_t cord) const;
   bool is_known_to_contact(std::uint32_t cord) const {
     return compiled_.contact && cord < compiled_.cords.rods.count();
   }

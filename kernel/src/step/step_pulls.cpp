@@ -34,8 +34,10 @@ double Step::pull(std::uint32_t cord, std::uint32_t segment) const {
 /// The work of a blow has the mean of both rates.
 double Step::power(std::uint32_t cord) const {
   const double rate = lengths_.rate(cord), before = lengths_.rate_before(cord);
+  if (rate == 0 && before == 0) return 0;
+  if (is_held_by_contact(cord)) return compiled_.contact->power_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
-  if ((rate == 0 && before == 0) || places.empty()) return 0;  // what broke has no place
+  if (places.empty()) return 0;  // what broke has no place
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double blow = task ? solver(places.front()).blow(places.front().slot) / sleep_.tasks()[*task].dt : 0;
   return blow * (rate - before) / 2 - pull(cord) * rate;

@@ -20,8 +20,8 @@ void copy_elastics(const LinkageState& from, std::size_t first_from, LinkageStat
   }
 }
 
-/// Lets the elastics of part `number` go on as they were: what programs changed of them, their turns, and
-/// what broke.
+/// Lets the elastics and lengths of part `number` go on as they were: what programs changed of them, turns,
+/// and what broke.
 void copy_laws(const LinkageState& from, const NamedPart& whole, const SceneParts& parts,
                std::uint32_t number, LinkageState& to) {
   const Linkage &before = *from.linkage, &now = *to.linkage;
@@ -37,6 +37,10 @@ void copy_laws(const LinkageState& from, const NamedPart& whole, const ScenePart
     if (!made || !old || whole.scene.rods[i].law.stiffness == 0) return;
     copy_elastics(from, *old, to, *made, 1);
     if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*old];
+  });
+  for_own(parts.rods(), [&](std::uint32_t i, std::uint32_t own) {
+    for (const RodLengths::Change& each : from.lengths.changes())
+      if (each.rod == whole.rods_were[i]) to.lengths.take(each, own, now.rods());
   });
   for_own(parts.angles(), [&](std::uint32_t i, std::uint32_t own) {
     copy(before.elastics_of_angle(i), now.elastics_of_angle(own));
@@ -146,8 +150,9 @@ void ContactSolver::remove(Slot slot) {
 }
 
 std::size_t ContactSolver::kind_number(const LinkageState& state) const {
+  const Linkage* const of = kind_of(state);
   std::size_t kind = 0;
-  while (linkages_[kind].get() != state.linkage) ++kind;
+  while (linkages_[kind].get() != of) ++kind;
   return kind;
 }
 

@@ -49,7 +49,7 @@ bool ClusterStepper::is_passive() const {
     const LinkageState& state = *islands_[i].state;
     if (!islands_[i].awake) continue;
     const auto anchors = std::span(state.v).subspan(state.linkage->movable());
-    if (state.linkage->has_air() ||
+    if (state.linkage->has_air() || state.lengths.move() ||
         std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; }))
       return false;
     any = any || !state.laws.empty();

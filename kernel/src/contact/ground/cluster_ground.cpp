@@ -37,7 +37,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   island.ground.begin_positions(loose_, tight_);
   island.ground.look(linkage, island.d, true);
   if (!factor_on_ground(island, false)) return false;
-  linkage.targets(island.directions(), island.d, island.there, right);
+  linkage.targets(island.directions(), island.d, island.there, state.lengths.squares(), right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
   island.ground.add_pushes(linkage, right);

@@ -80,7 +80,7 @@ void Flight::count_pulls(LinkageState& state, const Stage& stage, double time) {
   const Linkage& linkage = *state.linkage;
   pulls_.assign(linkage.constraints(), 0);
   linkage.take_multipliers(numbers(unknowns_), 1, pulls_);
-  linkage.count_pulls(stage.x, pulls_, time, state.pulls);
+  linkage.count_pulls(stage.x, state.lengths.squares(), pulls_, time, state.pulls);
   for (std::size_t i = 0; i < state.laws.size(); ++i)
     linkage.count_pull(i, stage.x, time * state.elastic_pull(i), state.pulls);
   state.count_motors(time, stage.x, [&](std::size_t i) { return state.elastic_numbers[i]; });
@@ -92,19 +92,19 @@ void Flight::take_forbidden(LinkageState& state) {
   const std::span<double> right = numbers(unknowns_);
   momentum_.resize(linkage.movable());
   linkage.momenta(state.v, momentum_);
-  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  state.rates(state.v, linkage.fixed_ones(), right);
   linkage.put(momentum_, right);
   state.solve(unknowns_);
   pulls_.assign(state.pulls.counts ? linkage.constraints() : 0, 0);
   linkage.take_multipliers(right, 1, pulls_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_, pulls_);
-  if (state.pulls.counts) linkage.count_pulls(state.x, pulls_, 1, state.pulls);
+  if (state.pulls.counts) linkage.count_pulls(state.x, state.lengths.squares(), pulls_, 1, state.pulls);
 }
 
 void Flight::follow_anchors(LinkageState& state) {
   const auto now = std::span(state.v).subspan(state.linkage->movable());
-  if (std::equal(now.begin(), now.end(), state.anchors_went.begin())) return;
+  if (std::equal(now.begin(), now.end(), state.anchors_went.begin()) && !state.lengths.jump()) return;
   std::copy(now.begin(), now.end(), state.anchors_went.begin());
   unknowns_.assign(state.linkage->plan().columns(), simd::Quad{});
   if (state.factored || state.factor()) take_forbidden(state);
@@ -116,7 +116,7 @@ bool Flight::land(LinkageState& state, Tally& report) {
   const std::span<double> right = numbers(unknowns_);
   for (int i = 0;; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
-    const double violation = linkage.violations(state.x, right);
+    const double violation = linkage.violations(state.x, state.lengths.squares(), right);
     if (violation <= exact_landing) break;
     if (!std::isfinite(violation) || i == most_landings) return false;
     ++report.newton;

@@ -103,7 +103,6 @@ class Linkage {
   double mass_of(std::uint32_t particle) const { return weights_[particle]; }
   /// Returns whether it has particles, rods and joints alone, so that relaxation can move it.
   bool can_relax() const { return colored_.colors() > 0; }
-  /// Kinds that can be relaxed have colours.
   const ColoredRods& colored() const { return colored_; }
   /// Calls visit(apart) for every ball joint, with the sum that is to be nothing.
   template <class Visit>
@@ -131,8 +130,7 @@ class Linkage {
   const Shape& shape_of(std::uint32_t number) const {
     return number < shapes_.size() ? shapes_[number] : hulls_[number - shapes_.size()];
   }
-  /// Says which shapes may touch each other.
-  const Neighbors& neighbors() const { return neighbors_; }
+  const Neighbors& neighbors() const { return neighbors_; }  ///< which shapes may touch each other
   /// Balls of hulls come after those of capsules. Whatever has shapes has balls.
   std::span<const Ball> balls() const { return balls_; }
   bool has_shapes() const { return !balls_.empty(); }
@@ -162,6 +160,7 @@ class Linkage {
   /// Returns how many rods give, the first elastics, and which of them the part's rod `number` is, or none.
   std::size_t giving_rods() const { return giving_rods_.size(); }
   std::optional<std::size_t> elastic_of_rod(std::uint32_t number) const;
+  std::uint32_t row_of_rod(std::uint32_t number) const;  ///< that of its constraint; it must be rigid
   /// Returns the number of an elastic, in m or rad. Of all turns it is the one nearest to `near`.
   double number(const Elastic& elastic, std::span<const Vec3> x, double near) const;
   /// Returns how that changes with the elastic's sums; nothing where it has no derivative.
@@ -179,8 +178,8 @@ class Linkage {
   /// Adds the multipliers of a solution, times `by`, to those of constraints and elastics in `out`.
   void take_multipliers(std::span<const double> solved, double by, std::span<double> out) const;
   /// Adds to `pulls` what multipliers of constraints at `x` pull with; times `by` they are impulses.
-  void count_pulls(std::span<const Vec3> x, std::span<const double> multipliers, double by,
-                   LinkagePulls& pulls) const;
+  void count_pulls(std::span<const Vec3> x, std::span<const double> squares,
+                   std::span<const double> multipliers, double by, LinkagePulls& pulls) const;
   /// Adds the impulse (N s or N m s) with which an elastic pulls at `x`.
   void count_pull(std::size_t elastic, std::span<const Vec3> x, double pull, LinkagePulls& pulls) const;
   /// Adds the share of a push on a place that its fixed particles get.
@@ -254,10 +253,11 @@ class Linkage {
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
-  double violations(std::span<const Vec3> x, std::span<double> right) const;
+  /// What all call `squares` is RodLengths::squares().
+  double violations(std::span<const Vec3> x, std::span<const double> squares, std::span<double> right) const;
   /// Writes J(x) d - C(x + d). A solution for it moves by about d and keeps constraints to second order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
-               std::span<double> right) const;
+               std::span<const double> squares, std::span<double> right) const;
   /// Adds what multipliers of constraints at `x` pull with to momenta of movable particles, -J(x)ᵀ of them,
   /// but for those of pins. It is linear in `x`, so that the way from one configuration to another tells how
   /// pulls turn.
@@ -277,9 +277,9 @@ class Linkage {
               std::span<Vec3> out) const;
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
-  /// Returns the fastest turn of a rod, in 1/s. Of rods that give, those with a number in `broken` are left
-  /// out.
-  double turning(std::span<const Vec3> v, std::span<const std::uint8_t> broken) const;
+  /// Returns the fastest turn of a rod, in 1/s. Of rods that give, those with a number in `broken` are out.
+  double turning(std::span<const Vec3> v, std::span<const double> squares,
+                 std::span<const std::uint8_t> broken) const;
   /// Splits velocities into those of a rigid body, which go to `rigid`, and the rest. Returns the kinetic
   /// energy of the rest, in J. The linkage must have no fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;

@@ -106,7 +106,8 @@ void Linkage::stiffen(const Combination& at, const Sym3& by, std::span<simd::Blo
     }
 }
 
-double Linkage::violations(std::span<const Vec3> x, std::span<double> right) const {
+double Linkage::violations(std::span<const Vec3> x, std::span<const double> squares,
+                           std::span<double> right) const {
   double worst = 0;
   const auto set = [&](std::uint32_t row, double value) {
     right[plan_.position(row)] = -value;
@@ -114,7 +115,7 @@ double Linkage::violations(std::span<const Vec3> x, std::span<double> right) con
   };
   for (const RodRow& rod : rods_) {
     const Vec3 d = x[rod.b] - x[rod.a];
-    set(rod.row, 0.5 * (rod.over2 * dot(d, d) - 1));
+    set(rod.row, 0.5 * (rod.over2 * dot(d, d) - (squares.empty() ? 1 : squares[rod.number])));
   }
   for (const DotRow& each : dots_) set(each.row, each.over * (dot(each.u.of(x), each.v.of(x)) - each.value));
   for (const PinRow& pin : pins_) {
@@ -127,7 +128,7 @@ double Linkage::violations(std::span<const Vec3> x, std::span<double> right) con
 }
 
 void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
-                      std::span<double> right) const {
+                      std::span<const double> squares, std::span<double> right) const {
   // J acts on movable particles alone; fixed ones have gone where they go in `there`.
   const auto moved = [&](std::uint32_t particle) { return particle < movable_ ? d[particle] : Vec3{}; };
   const auto sum_moved = [&](const Combination& sum) {
@@ -135,7 +136,7 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
     for (std::uint32_t i = 0; i < sum.count; ++i) out += sum.terms[i].weight * moved(sum.terms[i].particle);
     return out;
   };
-  violations(there, right);
+  violations(there, squares, right);
   for (const RodRow& rod : rods_)
     right[plan_.position(rod.row)] += rod.over2 * dot(x[rod.b] - x[rod.a], moved(rod.b) - moved(rod.a));
   for (const DotRow& each : dots_)
@@ -263,11 +264,12 @@ double Linkage::potential(std::span<const Vec3> x, std::span<const Vec3> constan
   return sum;
 }
 
-double Linkage::turning(std::span<const Vec3> v, std::span<const std::uint8_t> broken) const {
+double Linkage::turning(std::span<const Vec3> v, std::span<const double> squares,
+                        std::span<const std::uint8_t> broken) const {
   double square = 0;
   const auto see = [&](const RodRow& rod) {
     const Vec3 d = v[rod.b] - v[rod.a];
-    square = std::max(square, rod.over2 * dot(d, d));
+    square = std::max(square, rod.over2 * dot(d, d) / (squares.empty() ? 1 : squares[rod.number]));
   };
   for (const RodRow& rod : rods_) see(rod);
   for (std::size_t i = 0; i < giving_rods_.size(); ++i)

@@ -126,12 +126,18 @@ bool LinkageState::factor_with_rigid_rods() {
   });
 }
 
+void LinkageState::rates(std::span<const Vec3> velocities, Linkage::Range of, std::span<double> right) const {
+  linkage->rates(x, velocities, of, right);
+  for (const RodLengths::Change& each : lengths.changes())
+    right[linkage->plan().position(linkage->row_of_rod(each.rod))] += each.half_square_rate;
+}
+
 void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
                                       std::span<double> multipliers) const {
   const std::span<double> right = numbers(unknowns);
   for (int i = 0; i < velocity_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
-    linkage->rates(x, velocities, linkage->all(), right);
+    rates(velocities, linkage->all(), right);
     solve(unknowns);
     linkage->take_multipliers(right, 1, multipliers);
     for (std::uint32_t k = 0; k < linkage->movable(); ++k) velocities[k] += linkage->taken(right, k);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/lengths/rod_lengths.hpp"
 #include "contact/linkage/linkage.hpp"
 #include "contact/shapes/bounds.hpp"
 #include "plumb/settings.hpp"
@@ -43,6 +44,7 @@ struct LinkageMotion {
   bool knows_tautness = false;  ///< those are of substeps
   /// It has 1 for rods that have broken, of those that give; none if no rod may.
   std::vector<std::uint8_t> broken;
+  RodLengths lengths;  ///< where the last substep ended, or the next step starts
 };
 
 /// Holds one island of a linkage's kind, wherever it is.
@@ -155,6 +157,14 @@ struct LinkageState : LinkageMotion {
     if (!flat_gradients_.empty()) linkage->push_flat(flat_gradients_, numbers(unknowns));
     linkage->plan().solve(factors, unknowns);
   }
+  /// Notes how fast anchors and lengths went in a substep.
+  void keep_given() {
+    std::copy(v.begin() + linkage->movable(), v.end(), anchors_went.begin());
+    lengths.end_substep();
+  }
+  /// Writes -J v of some particles at x into the places of `right`, and what rods that change their length
+  /// ask for.
+  void rates(std::span<const Vec3> velocities, Linkage::Range of, std::span<double> right) const;
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
   /// adds its multipliers to those that are given, if any.
   void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
@@ -236,10 +246,10 @@ template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
          slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness,
-         broken] = of;
+         broken, lengths] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
           slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness,
-          broken);
+          broken, lengths);
 }
 template <class Archive>
 void visit_members(Archive& archive, Linkage::AngleRule& of) {

@@ -38,11 +38,12 @@ double Visitor::look(LinkageState& state) const {
   double fastest = home_->read(slots_, std::span(state.x).first(slots_.size()));
   for (const Vec3 anchor : std::span(state.v).subspan(slots_.size()))
     fastest = std::max(fastest, norm(anchor));
-  return fastest;
+  return fastest + state.lengths.speed();
 }
 
 void Visitor::come(LinkageState& state, ProjectionWork* work) {
   look(state);
+  state.lengths.follow_last();
   for (std::size_t k = 0; k < slots_.size(); ++k) state.v[k] = home_->velocity(slots_[k]);
   home_->set_away(slots_.front(), true);
   is_visiting_ = true;
@@ -71,7 +72,7 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
   bool fits = false;
   for (int i = 0; i < most_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
-    const double violation = linkage.violations(state.x, right);
+    const double violation = linkage.violations(state.x, state.lengths.squares(), right);
     if (i == 0) first = violation;
     fits = violation <= unnoticed && (i > 0 || work.holds.empty());
     if (fits || !std::isfinite(violation)) break;
@@ -100,8 +101,8 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
-  if (moves(std::span(state.v).subspan(linkage.movable())))
-    linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  if (moves(std::span(state.v).subspan(linkage.movable())) || !state.lengths.changes().empty())
+    state.rates(state.v, linkage.fixed_ones(), right);
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   state.solve(work.unknowns);

@@ -69,8 +69,11 @@ void ClusterStepper::count_pulls(Island& island, double h) const {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<const Vec3> along = island.theta > 0 ? island.at : island.there;
-  linkage.count_pulls(along, island.pulls, (island.theta == 0.5 ? 2 : 1) / h, state.pulls);
-  linkage.count_pulls(state.x, island.end_pulls, 1, state.pulls);
+  state.lengths.begin_pulls(state.pulls.rods);
+  linkage.count_pulls(along, state.lengths.squares(), island.pulls, (island.theta == 0.5 ? 2 : 1) / h,
+                      state.pulls);
+  linkage.count_pulls(state.x, state.lengths.squares(), island.end_pulls, 1, state.pulls);
+  state.lengths.end_pulls(state.pulls.rods);
   linkage.count_wave_pulls(state.wave_inertia, state.v, island.v, state.pulls);
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     if (!island.elastics[i].acts) continue;

@@ -77,6 +77,13 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
   return mean(pulls, pulls.rods[rods_[rod].number]);
 }
 
+double ContactSolver::power_of_rod(std::uint32_t rod) const {
+  const auto [island, number] = rods_[rod];
+  for (const RodLengths::Change& each : states_[island].lengths.changes())
+    if (each.rod == number) return mean(states_[island].pulls, each.work);
+  return 0;
+}
+
 bool ContactSolver::has_broken(std::uint32_t rod) const {
   if (rod >= rods_.size()) return false;
   const auto [island, number] = rods_[rod];

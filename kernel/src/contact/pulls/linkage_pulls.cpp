@@ -35,6 +35,12 @@ std::optional<std::size_t> Linkage::elastic_of_rod(std::uint32_t number) const {
   return static_cast<std::size_t>(at - giving_rods_.begin());
 }
 
+std::uint32_t Linkage::row_of_rod(std::uint32_t number) const {
+  return std::lower_bound(rods_.begin(), rods_.end(), number,
+                          [](const RodRow& rod, std::uint32_t than) { return rod.number < than; })
+      ->row;
+}
+
 void Linkage::take_multipliers(std::span<const double> solved, double by, std::span<double> out) const {
   for (std::uint32_t c = 0; c < out.size(); ++c) out[c] += by * solved[plan_.position(3 * movable_ + c)];
 }
@@ -45,12 +51,13 @@ void Linkage::push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pull
       pulls.fixed[particle - movable_] += weight * impulse;
 }
 
-void Linkage::count_pulls(std::span<const Vec3> x, std::span<const double> multipliers, double by,
-                          LinkagePulls& pulls) const {
+void Linkage::count_pulls(std::span<const Vec3> x, std::span<const double> squares,
+                          std::span<const double> multipliers, double by, LinkagePulls& pulls) const {
   const auto impulse = [&](std::uint32_t row) { return by * multipliers[row - 3 * movable_]; };
   for (const RodRow& rod : rods_) {
     const double over_length = impulse(rod.row) * rod.over2;
-    pulls.rods[rod.number] += over_length / std::sqrt(rod.over2);
+    pulls.rods[rod.number] +=
+        over_length / std::sqrt(rod.over2) * (squares.empty() ? 1 : std::sqrt(squares[rod.number]));
     const Vec3 pulled = over_length * (x[rod.b] - x[rod.a]);
     if (rod.a >= movable_) pulls.fixed[rod.a - movable_] += pulled;
     if (rod.b >= movable_) pulls.fixed[rod.b - movable_] -= pulled;

@@ -17,6 +17,8 @@ void make_room(layouts::AlignedBuffer<T>& buffer, std::size_t size) {
 template <class T>
 void Crowd<T>::gather(std::span<LinkageState* const> cluster, const CrowdRules& rules) {
   const auto moves = [](const LinkageState& state) { return !state.asleep && !state.frozen; };
+  changes_lengths_ = std::any_of(cluster.begin(), cluster.end(),
+                                 [](const LinkageState* state) { return !state->lengths.changes().empty(); });
   bool is_new = is_stale_ || laid_out_.size() != cluster.size();
   for (std::size_t i = 0; !is_new && i < cluster.size(); ++i)
     is_new = laid_out_[i] != cluster[i] || (moves_[i] != 0) != moves(*cluster[i]);
@@ -26,6 +28,8 @@ void Crowd<T>::gather(std::span<LinkageState* const> cluster, const CrowdRules& 
     moves_.clear();
     for (const LinkageState* const state : cluster) moves_.push_back(moves(*state) ? 1 : 0);
     lay_out(cluster, rules);
+  } else if (changes_lengths_) {
+    weigh_rods(rules);
   }
   origin_ = cluster.front()->x.front();
   anchors_.clear();
@@ -77,7 +81,11 @@ void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules&
     std::fill_n(each->data(), places_.padded_numbers(), T(0));
   }
   weigh_rods(rules);
-  find_uniform();
+}
+
+template <class T>
+double Crowd<T>::length2(const CrowdPlaces::Rod& rod) const {
+  return rod.length2 * laid_out_[rod.island]->lengths.square(rod.number);
 }
 
 template <class T>
@@ -97,13 +105,14 @@ void Crowd<T>::weigh_rods(const CrowdRules& rules) {
     const double wa = inverse_mass_[rod.a], wb = inverse_mass_[rod.b];
     const bool by_mass = rules.weights == Weights::mass;
     const double share_a = by_mass ? wa : (wa > 0 ? 1 : 0), share_b = by_mass ? wb : (wb > 0 ? 1 : 0);
-    const double scale = rules.omega / 4 / (share_a + share_b);
-    weight(lane, 0) = static_cast<T>(rod.length2);
+    const double scale = rules.omega / 4 / (share_a + share_b), square = length2(rod);
+    weight(lane, 0) = static_cast<T>(square);
     weight(lane, 1) = static_cast<T>(scale * share_a);
     weight(lane, 2) = static_cast<T>(scale * share_b);
-    weight(lane, 3) = static_cast<T>(1 / rod.length2);
+    weight(lane, 3) = static_cast<T>(1 / square);
     mass_of_move_[lane] = rules.omega / 4 / (wa + wb);
   }
+  find_uniform();
 }
 
 /// Finds which vectors have rods alone that are like the first one, so that their weights need not be read.
@@ -200,7 +209,7 @@ double Crowd<T>::violation_before() const {
   for (const CrowdPlaces::Rod& rod : places_.rods()) {
     if (rod.island == none) continue;
     const Vec3 along = position(places_.at(rod.a)) - position(places_.at(rod.b));
-    most = std::max(most, std::abs(dot(along, along) / rod.length2 - 1));
+    most = std::max(most, std::abs(dot(along, along) / length2(rod) - 1));
   }
   return most;
 }

@@ -33,7 +33,10 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
-  for (LinkageState* const state : cluster) state->elapsed += dt;
+  for (LinkageState* const state : cluster) {
+    state->elapsed += dt;
+    state->lengths.follow(start);
+  }
   ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
   const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps), substeps = rules.substeps * cuts;
@@ -78,7 +81,7 @@ template <class T>
 bool RelaxedStepper<T>::is_driven(std::span<LinkageState* const> cluster) {
   return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
     const auto anchors = std::span(state->v).subspan(state->linkage->movable());
-    return !state->linkage->elastics().empty() ||
+    return !state->linkage->elastics().empty() || state->lengths.move() ||
            std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; });
   });
 }
@@ -99,11 +102,20 @@ void RelaxedStepper<T>::gather(std::span<LinkageState* const> cluster, const Sur
   contacts_.find(cluster, crowd_, surroundings, ground_, dt, recovery_rate_);
 }
 
+/// Makes rods as long as they are `t` (s) after the step's start.
+template <class T>
+void RelaxedStepper<T>::follow_lengths(std::span<LinkageState* const> cluster, double t) {
+  if (!crowd_.has_changed_lengths()) return;
+  for (LinkageState* const state : cluster) state->lengths.follow(t);
+  crowd_.weigh_rods(rules_);
+}
+
 /// Moves a cluster through a time, unless it may be halved and that is better. Returns whether it did.
 template <class T>
 bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                                 const Span& span, bool may_halve, Tally& report) {
   const double h = span.h;
+  follow_lengths(cluster, span.start + h);
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
   contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
@@ -142,7 +154,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   const bool is_violent = is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
   if (is_guarded && is_violent && gradient == Gradient::new_) guard_energy(most_energy, report);
   contacts_.end(cluster, crowd_, h);
-  if (counts_) crowd_.count_pulls(h, gradient, cluster);
+  count_pulls(cluster, gradient, h);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
@@ -179,6 +191,19 @@ void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
   if (!contacts_.push_ground()) common = crowd_.common_motion();
   if (!(common.energy < most)) common = {};
   crowd_.slow(std::sqrt((most - common.energy) / (energy - common.energy)), common.velocity);
+}
+
+template <class T>
+void RelaxedStepper<T>::count_pulls(std::span<LinkageState* const> cluster, Gradient gradient, double h) {
+  if (!counts_) return;
+  const bool wind = crowd_.has_changed_lengths();
+  for (LinkageState* const state : cluster)
+    if (wind && state->pulls.counts) state->lengths.begin_pulls(state->pulls.rods);
+  crowd_.count_pulls(h, gradient, cluster);
+  for (LinkageState* const state : cluster) {
+    if (wind && state->pulls.counts) state->lengths.end_pulls(state->pulls.rods);
+    if (wind) state->lengths.end_substep();
+  }
 }
 
 template <class T>

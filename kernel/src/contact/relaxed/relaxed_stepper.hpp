@@ -47,6 +47,8 @@ class RelaxedStepper final : public ClusterMover {
   };
   void advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                std::uint32_t cuts, Tally& report);
+  void follow_lengths(std::span<LinkageState* const> cluster, double t);
+  void count_pulls(std::span<LinkageState* const> cluster, Gradient gradient, double h);
   bool substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                bool may_halve, Tally& report);
   bool is_crushed();

@@ -13,10 +13,19 @@ void ClusterStepper::fill_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  state.rates(state.v, linkage.fixed_ones(), right);
   hold_elastics(island);
   linkage.put(island.impulse, right);
   add_pushes(island);
+}
+
+/// Lets velocities follow anchors and lengths that change their speed, where positions are those of both
+/// ends. Rods are as long then as at the substep's end.
+void ClusterStepper::begin_given(Island& island, double h) {
+  LinkageState& state = *island.state;
+  state.lengths.follow(now_);
+  if (island.theta == 0.5) flight_.follow_anchors(state);
+  state.lengths.follow(now_ + h);
 }
 
 // Finds velocities along the constraints where the island is now.
@@ -185,7 +194,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     weight += pull * height_of(island);
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air() && island.theta == 0;
-    driven = driven || !state.laws.empty();
+    driven = driven || !state.laws.empty() || state.lengths.move();
     for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
       driven = driven || state.v[k] != Vec3{};
   }

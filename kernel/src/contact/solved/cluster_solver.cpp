@@ -241,7 +241,8 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   if (linkage.constraints() == 0 && state.laws.empty() && !on_ground) return true;
   const std::span<double> right = island.right();
   std::fill(right.begin(), right.end(), 0.0);
-  double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
+  double violation =
+      std::max(linkage.violations(island.there, state.lengths.squares(), right), elastic_misfit(island));
   if (island.theta > 0) violation = std::max(violation, add_lag(island));
   const double wanted = island.theta == 0.5 ? exact_if_mid : state.laws.empty() ? exact : exact_if_elastic;
   progress.violation = std::max(progress.violation, violation);

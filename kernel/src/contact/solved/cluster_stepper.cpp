@@ -27,7 +27,7 @@ double top_speed(const LinkageState& state) {
   for (const Vec3 v : state.v) see(v);
   for (const Linkage::Ball& ball : state.linkage->balls())
     if (ball.center.count > 1) see(ball.center.of(state.v));
-  return std::sqrt(square);
+  return std::sqrt(square) + state.lengths.speed();
 }
 
 double mean_speed(const LinkageState& state) {
@@ -36,7 +36,7 @@ double mean_speed(const LinkageState& state) {
     mass += state.linkage->mass_of(k);
     sum += state.linkage->mass_of(k) * dot(state.v[k], state.v[k]);
   }
-  return mass > 0 ? std::sqrt(sum / mass) : 0;
+  return state.lengths.speed() + (mass > 0 ? std::sqrt(sum / mass) : 0);
 }
 
 ContactSettings scaled(ContactSettings settings) {
@@ -79,7 +79,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = is_fitted_ = is_buckled_ = is_stopped_ = false;
-  bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
+  bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake && !cluster[0]->lengths.move();
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
   double likely = dt;  // a substep of this length is likely to be solved
@@ -149,7 +149,8 @@ double ClusterStepper::longest_substep(double most, double turn) {
     const Island& island = islands_[i];
     top_speeds_.push_back(island.awake ? top_speed(*island.state) : 0);
     if (!island.awake) continue;
-    const double turning = island.state->linkage->turning(island.state->v, island.state->broken);
+    const double turning = island.state->linkage->turning(island.state->v, island.state->lengths.squares(),
+                                                          island.state->broken);
     if (turning * out > turn) out = turn / turning;
   }
   if (count_ == 1) return out;
@@ -187,7 +188,7 @@ void ClusterStepper::start(Island& island, double h) {
   const std::uint32_t movable = linkage.movable();
   island.is_predicted = false;
   island.theta = theta_of_substep(state);
-  if (island.theta == 0.5) flight_.follow_anchors(state);
+  begin_given(island, h);
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());
   island.v.resize(state.x.size());
@@ -243,7 +244,7 @@ void ClusterStepper::predict(Island& island) {
   else if (!state.factored)
     state.factor();
   const std::span<double> right = island.right();
-  linkage.targets(island.directions(), island.d, island.there, right);
+  linkage.targets(island.directions(), island.d, island.there, state.lengths.squares(), right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
   state.solve(island.unknowns);
@@ -294,7 +295,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
-    std::copy(state.v.begin() + state.linkage->movable(), state.v.end(), state.anchors_went.begin());
+    state.keep_given();
     if (island.theta == 0) state.follow_tautness(island.pulls, h);
     state.follow_elastics();
   }

@@ -116,6 +116,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double longest_substep(double most, double turn);
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
+  void begin_given(Island& island, double h);
   void start(Island& island, double h);
   void predict(Island& island);
   double theta_of_substep(const LinkageState& state) const;

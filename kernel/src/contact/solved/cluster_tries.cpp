@@ -305,7 +305,10 @@ void ClusterStepper::unbalance() {
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
   if (before_.size() < cluster.size()) before_.resize(cluster.size());
-  for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
+  for (std::size_t i = 0; i < cluster.size(); ++i) {
+    cluster[i]->lengths.follow(now_);  // A substep that failed has made rods as long as at its end.
+    before_[i] = cluster[i]->motion();
+  }
 }
 
 void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {

@@ -105,8 +105,9 @@ LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k
 
 template <class Archive>
 void visit_members(Archive& archive, LoopLaws& of) {
-  auto& [rods, half_kick, length, rate, jump, impulse, ahead, bent, moves, pulls] = of;  // bent: of a substep
+  auto& [rods, half_kick, length, rate, jump, impulse, ahead, bent, moves, pulls] = of;
   archive(rods, half_kick, length, rate, jump, impulse, ahead, moves, pulls);
+  if (archive.restores()) bent.assign(rods.size(), 0);  // of a substep
 }
 
 }  // namespace plumb::detail

@@ -141,6 +141,7 @@ class LoopSolver final : public Solver {
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
   void keep_velocities();
+  void see_change(double last_rate, double rate, double last_length, double length);
   void grabs_change();
   void find_velocities() const;
   void take_blow();

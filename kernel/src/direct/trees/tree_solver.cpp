@@ -6,7 +6,7 @@
 
 #include "direct/laws/pulls_ahead.hpp"
 #include "direct/loops/settle.hpp"
-#include "direct/velocities/changes.hpp"
+#include "interface/changes.hpp"
 #include "time/accuracy.hpp"
 #include "time/verlet.hpp"
 

@@ -159,6 +159,7 @@ class TreeSolver final : public Solver {
   void find_velocities() const;
   void find_velocities(TreeWorkspace<T>& work) const;
   void keep_velocities(std::uint32_t lane);
+  void see_change(double last_rate, double rate, double last_length, double length);
 
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;

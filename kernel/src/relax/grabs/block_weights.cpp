@@ -54,11 +54,7 @@ void Block<T>::weigh_grabbed(const Grabbed& of, const Weighing& by) {
   for (const auto& [lane, a, b] : of.rods) {
     if (is_broken(lane) || is_frozen(a) || is_frozen(b)) continue;
     weigh_rod(lane, a, b, by);
-    const auto vector = static_cast<std::uint32_t>(lane / packing_.lanes);
-    const std::uint32_t q = vector / packing_.position_vectors;
-    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage)
-      if (const simd::Range r = range(q, stage); vector >= r.begin && vector < r.end)
-        uniform_[q * packing_.stages.size() + stage] = 0;
+    tell_apart(lane);
   }
 }
 
@@ -84,16 +80,17 @@ void Block<T>::weigh_rod(std::size_t i, std::uint32_t slot_a, std::uint32_t slot
   const double wa = share(slot_a, own_a), wb = share(slot_b, own_b);
   const double sum = rods_sharing(slot_a) * wa + rods_sharing(slot_b) * wb;
   const double scale = (gives_ ? 1 : omega / 4) / sum, give = own_a + own_b;
-  fields[0] = static_cast<T>(constants.length2[edge]);
+  const double length2 = length2_of(i, constants);
+  fields[0] = static_cast<T>(length2);
   fields[lanes] = static_cast<T>(scale * wa);
   fields[2 * lanes] = static_cast<T>(scale * wb);
-  fields[3 * lanes] = static_cast<T>(1 / constants.length2[edge]);
+  fields[3 * lanes] = static_cast<T>(1 / length2);
   if (!mass_of_move_.empty()) {
     const double split = sum / (wa + wb);
     mass_of_move_[i] = (gives_ ? 1 : omega / 4) / (split * give);
     if (breaks()) set_bound(i);
   }
-  if (gives_) write_law(i, constants.laws[edge], std::sqrt(constants.length2[edge]), give, sum / (wa + wb));
+  if (gives_) write_law(i, constants.laws[edge], std::sqrt(length2), give, sum / (wa + wb));
 }
 
 #define PLUMB_INSTANTIATE(T)                                                        \

@@ -63,21 +63,9 @@ void Step::carry_inputs(const Step& from) {
   });
 }
 
-/// Relaxed rods have the lengths that they were compiled with.
 void Step::carry_lengths(const Step& from) {
-  const auto is_relaxed = [&](std::uint32_t rod) {
-    const auto places = compiled_.places.of(rods_.end(rod));
-    return !anchors_.is_fixed(rods_.end(rod)) && !places.empty() && solver(places.front()).sweeps();
-  };
-  for (const std::uint32_t cord : from.lengths_.changed()) {
-    const double length = from.lengths_.length(cord);
-    const bool is_made_so = length == lengths_.length(cord) && from.lengths_.target(cord) == length;
-    if (!is_line(cord) && !is_made_so && is_relaxed(cord) && !is_broken(cord))
-      refuse("settings: rod ", cord,
-             ": has changed its length, or is to, and would be relaxed; direct and auto solve it");
-    for (const Place& place : compiled_.cords.of(cord))
-      if (!solver(place).sweeps()) solver(place).set_length(place.slot, length, from.lengths_.rate(cord));
-  }
+  for (const std::uint32_t cord : from.lengths_.changed())
+    tell_length(cord, from.lengths_.length(cord), from.lengths_.rate(cord));
   lengths_ = from.lengths_;
 }
 

@@ -42,25 +42,22 @@ void Lengths::set_target(std::uint32_t cord, double target) {
   is_moving_[cord] = 2;
 }
 
-void Lengths::begin_step(double dt, const CordPlaces& places,
-                         std::span<const std::unique_ptr<Solver>> solvers) {
+void Lengths::begin_step(double dt, const Tell& tell) {
   for (const std::uint32_t cord : stopped_) rates_before_[cord] = 0;
   stopped_.clear();
   for (const std::uint32_t cord : moving_) {
     rates_before_[cord] = rates_[cord];
     rates_[cord] = (targets_[cord] - lengths_[cord]) / dt;
-    for (const Place place : places.of(cord))
-      solvers[place.solver]->set_length(place.slot, lengths_[cord], rates_[cord]);
+    tell(cord, lengths_[cord], rates_[cord]);
   }
 }
 
-void Lengths::end_step(const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers) {
+void Lengths::end_step(const Tell& tell) {
   std::size_t kept = 0;
   for (const std::uint32_t cord : moving_) {
     // The rate stays what it was, since velocities at the end of the step have it.
     lengths_[cord] = targets_[cord];
-    for (const Place place : places.of(cord))
-      solvers[place.solver]->set_length(place.slot, lengths_[cord], rates_[cord]);
+    tell(cord, lengths_[cord], rates_[cord]);
     is_moving_[cord] = is_moving_[cord] == 2 ? 1 : 0;
     if (is_moving_[cord] != 0)
       moving_[kept++] = cord;

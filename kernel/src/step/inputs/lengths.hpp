@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <span>
 #include <vector>
 
-#include "interface/solver.hpp"
 #include "plumb/scene.hpp"
 #include "step/inputs/cords.hpp"
 
@@ -52,10 +51,11 @@ class Lengths {
       is_changed[cord] = 1;
     }
   }
-  /// Tells solvers the lengths and their rates in a step of dt (s). Once it is done, lengths are their
-  /// targets exactly, and rods without a new one will stop.
-  void begin_step(double dt, const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers);
-  void end_step(const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers);
+  /// Tells of lengths and their rates in a step of dt (s). Once it is done, lengths are their targets
+  /// exactly, and rods without a new one will stop.
+  using Tell = std::function<void(std::uint32_t cord, double length, double rate)>;
+  void begin_step(double dt, const Tell& tell);
+  void end_step(const Tell& tell);
 
  private:
   CordTable<double> made_;                  ///< m: the length in the scene

@@ -1,6 +1,7 @@
 // This file adds up how rods pull that relaxation moves. It sorts before relax_solver.cpp, which instantiates
 // the class.
 
+#include "interface/changes.hpp"
 #include "relax/relax_solver.hpp"
 
 namespace plumb::detail {
@@ -45,6 +46,14 @@ void RelaxSolver<T>::set_gravity(Vec3 gravity, Vec3 change) {
   }
 }
 
+template <class T>
+void RelaxSolver<T>::set_length(Slot lane, double length, double rate) {
+  lengths_jump_ = lengths_jump_ || rate_changes(block_.rate(lane), rate);
+  block_.set_length(lane, length, rate);
+}
+
+template void RelaxSolver<float>::set_length(Slot, double, double);
+template void RelaxSolver<double>::set_length(Slot, double, double);
 template void RelaxSolver<float>::set_gravity(Vec3, Vec3);
 template void RelaxSolver<double>::set_gravity(Vec3, Vec3);
 template void RelaxSolver<float>::count_pulls();

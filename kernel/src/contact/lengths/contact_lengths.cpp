@@ -1,0 +1,42 @@
+// This file lets rods of the contact solver change their lengths.
+
+#include <algorithm>
+
+#include "contact/contact_solver.hpp"
+
+namespace plumb::detail {
+
+const char* ContactSolver::keeps_length(std::uint32_t rod) const {
+  const auto [island, number] = rods_[rod];
+  const Scene& part = parts_[kind_number(states_[island])];
+  const Rod& of = part.rods[number];
+  if (!of.law.is_rigid()) return "it gives, where its island has joints or shapes";
+  if (of.linear_drag != 0 || of.orthogonal_drag != 0)
+    return "air drags it, where its island has joints or shapes";
+  const auto holds_both = [&](const Body& body) {
+    return std::count_if(body.particles.begin(), body.particles.end(),
+                         [&](std::uint32_t each) { return each == of.a || each == of.b; }) == 2;
+  };
+  if (std::any_of(part.bodies.begin(), part.bodies.end(), holds_both)) return "a body holds both its ends";
+  const auto lies_along = [&](const Bend& bend) {
+    const auto joins = [&](std::uint32_t one, std::uint32_t other) {
+      return (of.a == one && of.b == other) || (of.a == other && of.b == one);
+    };
+    return joins(bend.a, bend.b) || joins(bend.b, bend.c);
+  };
+  if (std::any_of(part.bends.begin(), part.bends.end(), lies_along))
+    return "it bends, where its island has joints or shapes";
+  return nullptr;
+}
+
+void ContactSolver::set_length(Slot rod, double length, double rate) {
+  const auto [island, number] = rods_[rod];
+  LinkageState& state = states_[island];
+  const Scene& part = parts_[kind_number(state)];
+  state.lengths.set(number, static_cast<std::uint32_t>(part.rods.size()), rod_length(part, number), length,
+                    rate);
+  state.energy.reset();
+  if (rate != 0) clusters_.wake(island);
+}
+
+}  // namespace plumb::detail
