@@ -17,6 +17,7 @@ constexpr const char* page_head = R"(<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>plumb: measured</title>
 <style>
+:root { --soft: #555; --back: #fff; --card: #f5f6f8; --line: #ddd; --accent: #1f5fa8; --near: #1f5fa8; --far: #8fb3dc; --ball: #d1495b; --ground: #777; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.8rem; margin-bottom: 0; }
 h2 { margin-top: 3rem; padding-top: 1rem; border-top: 2px solid #1f5fa8; }
@@ -31,6 +32,14 @@ figure { margin: 1rem 0; }
 svg { max-width: 100%; height: auto; }
 .made { font-size: 0.85rem; color: #555; background: #f5f6f8; padding: 0.6rem 1rem; border-radius: 4px; max-width: none; }
 code { font-size: 0.9em; }
+.replay { max-width: 38rem; }
+.runs { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(0, 19rem); gap: 0.5rem; align-items: end; }
+.runs p { margin: 0 0 0.3rem; font-size: 0.9rem; }
+.runs canvas { display: block; width: 100%; }
+.time { display: flex; align-items: center; gap: 0.6rem; margin-top: 0.4rem; }
+.time input { flex: 1; min-width: 0; accent-color: var(--accent); }
+.time output { min-width: 3.5rem; text-align: right; font-variant-numeric: tabular-nums; color: var(--soft); }
+.time button, .time select { font: inherit; font-size: 0.9rem; min-width: 4.5rem; min-height: 2.2rem; color: inherit; background: var(--card); border: 1px solid var(--line); border-radius: 6px; }
 </style>
 </head>
 <body>
@@ -94,6 +103,11 @@ void Section::add_live() {
   body_ += std::string(live_mark) + "\n";
 }
 
+void Section::add_replay(const Replay& replay) {
+  body_ += replay_data(replay);
+  has_replay_ = true;
+}
+
 void Section::add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart) {
   add_svg(folder, file, draw_svg(chart));
 }
@@ -103,10 +117,14 @@ void Section::add_svg(const std::filesystem::path& folder, const std::string& fi
   body_ += "<figure>\n" + inline_svg(svg, file) + "</figure>\n";
 }
 
+std::string Section::text() const {
+  return body_ + (has_replay_ ? replay_player() : "") + "</section>\n";
+}
+
 void Section::publish(const std::filesystem::path& folder) const {
   const std::filesystem::path sections = folder / "sections";
   make_folder(sections);
-  scenes::write_file(sections / (name_ + ".html"), body_ + "</section>\n");
+  scenes::write_file(sections / (name_ + ".html"), text());
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(sections)) {
     if (entry.path().extension() == ".html") files.push_back(entry.path());
@@ -123,7 +141,7 @@ void Section::publish(const std::filesystem::path& folder) const {
 void Section::publish_alone(const std::filesystem::path& folder) const {
   make_folder(folder);
   scenes::write_file(folder / (name_ + ".html"),
-                     page_head + with_live(body_, folder, name_) + "</section>\n</body>\n</html>\n");
+                     page_head + with_live(text(), folder, name_) + "</body>\n</html>\n");
 }
 
 void make_folder(const std::filesystem::path& folder) {
