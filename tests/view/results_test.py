@@ -60,6 +60,8 @@ def check_without_scripts(address, folder):
 def main():
     plumb, folder = read_arguments()
     out = os.path.join(folder, "results")
+    # Headings and tables of falls are the widest.
+    subprocess.run([plumb, "fall", "--quick", "--quiet", "--out", out], check=True, stdout=subprocess.DEVNULL)
     subprocess.run([plumb, "humanoid", "--ball-speed", "20", "--quiet", "--out", out], check=True)
     address = "file://" + os.path.abspath(os.path.join(out, "index.html"))
     for dark in [False, True]:
