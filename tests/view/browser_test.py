@@ -296,6 +296,20 @@ def check_page(plumb, folder):
         browser.quit()
 
 
+def check_phone(view, picture):
+    """Open controls leave a part of the page to the view, and their button stays in reach."""
+    view.click("fold")
+    view.js("document.getElementById('panel').scrollTop = 500")
+    assert view.js("return document.getElementById('panel').scrollTop") > 100, "controls are longer than their part"
+    edges = view.js("return ['view', 'panel', 'fold'].map(id => document.getElementById(id).getBoundingClientRect())"
+                    ".flatMap(box => [box.top, box.bottom])")
+    assert edges[1] <= edges[2] + 1 and edges[1] > 200, "the view ends where controls begin"
+    assert edges[2] <= edges[4] < edges[2] + 10, "the button that closes them stands still"
+    view.goes_on()
+    view.browser.save_screenshot(picture)
+    view.click("fold")
+
+
 def take_pictures(plumb, folder):
     for dark in [False, True]:
         for width, height in [(1280, 720), (390, 844)]:
@@ -309,6 +323,8 @@ def take_pictures(plumb, folder):
                         assert not over, f"{scene} is wider than {width}"
                         tint = "dark" if dark else "light"
                         browser.save_screenshot(os.path.join(folder, f"{scene}-{tint}-{width}.png"))
+                        if width < 760:
+                            check_phone(view, os.path.join(folder, f"{scene}-{tint}-controls.png"))
                         assert not view.severe(), view.severe()
             finally:
                 browser.quit()

@@ -172,7 +172,8 @@ function resize() {
 
 function showTitles() {
   const ports = painter.viewports(), scale = canvas.width / canvas.clientWidth;
-  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - 96, i: port.shown[0] })) : [];
+  const bars = canvas.clientHeight < innerHeight ? 58 : 96; // on a phone bars lie under the view
+  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - bars, i: port.shown[0] })) : [];
   if (wanted.length !== byId("titles").children.length)
     byId("titles").replaceChildren(...wanted.map(() => document.createElement("span")));
   wanted.forEach(({ left, top, i }, k) => {
