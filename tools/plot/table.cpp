@@ -17,8 +17,10 @@ constexpr std::size_t longest_number = 40;
 void append_html_row(std::string& out, const std::vector<std::string>& cells, const std::string& tag,
                      const std::vector<bool>& is_text) {
   out += "<tr>";
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    out += "<" + tag + (is_text[c] ? " class=\"text\">" : ">") + escape_html(cells[c]) + "</" + tag + ">";
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    out.append("<").append(tag).append(is_text[c] ? " class=\"text\">" : ">");
+    out.append(escape_html(cells[c])).append("</").append(tag).append(">");
+  }
   out += "</tr>\n";
 }
 
