@@ -216,5 +216,42 @@ TEST(HumanoidPictures, NothingToDrawIsAnEmptyPicture) {
   EXPECT_TRUE(document.load_string(draw_poses({}).c_str()));
 }
 
+// The page has the figure's colours and thickness, and of each frame what changed since the one before.
+TEST(HumanoidReplays, HoldEveryFrameInMillimetres) {
+  const Scene scene = make_scene({});
+  Frame pose{.t = 0, .positions = {}, .velocities = {}};
+  for (const Particle& p : scene.particles) pose.positions.push_back(p.position);
+  Frame next = pose;
+  for (Vec3& at : next.positions) at += Vec3{0.0124, 0, -3};
+  const PoseRow row{.title = "</script>", .scene = scene, .poses = {pose}, .motion = {pose, next}};
+  const Replay replay = replay_poses({&row, 1}, dt);
+  EXPECT_EQ(replay.frame_length, dt);
+  EXPECT_GT(replay.right - replay.left, 1);
+  ASSERT_EQ(replay.runs.size(), 1u);
+  const ReplayRun& run = replay.runs.front();
+  ASSERT_EQ(run.lines.size(), scene.capsules.size());
+  EXPECT_EQ(run.lines.back().look, "ball");
+  EXPECT_EQ(run.lines.front().look, "near");
+  ASSERT_EQ(run.frames.size(), 2u);
+  EXPECT_EQ(run.frames[0].size(), 2 * run.lines.size());
+
+  const std::string page = replay_data(replay);
+  EXPECT_EQ(page.find("</script>"), page.size() - 10) << "a title ends no element";
+  std::string change = "[12,0,-3000";
+  for (std::size_t i = 1; i < run.frames[1].size(); ++i) change += ",12,0,-3000";
+  EXPECT_NE(page.find("," + change + "]]"), std::string::npos) << page;
+}
+
+// A state that is no number is drawn, too: the page says that the run failed.
+TEST(HumanoidReplays, TakeWhatIsNoNumber) {
+  const Replay replay{
+      .frame_length = dt,
+      .left = -1,
+      .right = 1,
+      .top = 1,
+      .runs = {{.title = "", .lines = {{}}, .frames = {{{NAN, INFINITY, 0}, {-1e300, 0, 0}}}}}};
+  EXPECT_NE(replay_data(replay).find("[0,1000000000,0,-1000000000,0,0]"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace plumb::tools

@@ -222,6 +222,34 @@ def check_refusals(view):
     view.until("document.getElementById('note').textContent.includes('is gone')", "the page says that the server is gone")
 
 
+def check_sleep(view):
+    """A page that stood still goes on at the present, says so, and never says that its server is gone."""
+    view.js("window.notes = []; const n = document.getElementById('note');"
+            "new MutationObserver(() => window.notes.push(n.textContent)).observe(n, { childList: true })")
+    # A page that is busy reads nothing, as one whose tab sleeps.
+    before = view.js("const frame = window.plumb.frame.frame, end = performance.now() + 2500;"
+                     "while (performance.now() < end); return frame")
+    view.until("window.notes.some(text => text.includes('slept through'))", "the page says how long it slept")
+    missed = int(view.js("return window.notes.find(text => text.includes('slept through')).match(/\\d+/)[0]"))
+    after = view.js("return window.plumb.frame.frame")
+    assert after - before > missed > 60, (before, missed, after)
+    view.goes_on()
+    # Chromium closes the connection of a page that it freezes.
+    before = view.js("return window.plumb.frame.frame")
+    for state, seconds in [("frozen", 1.5), ("active", 0)]:
+        view.browser.execute_cdp_cmd("Page.setWebLifecycleState", {"state": state})
+        time.sleep(seconds)
+    view.until("window.notes.some(text => text.includes('goes on at the present; plots and recording begin'))",
+               "the page says that it is connected again")
+    view.until(f"window.plumb.frame.frame > {before + 60}", "worlds ran on meanwhile")
+    # Without a screen it would stay hidden.
+    view.browser.execute_cdp_cmd("Emulation.setFocusEmulationEnabled", {"enabled": True})
+    clock = view.js("return document.getElementById('clock').textContent")
+    view.until(f"document.getElementById('clock').textContent !== '{clock}'", "it is drawn again")
+    assert not view.js("return window.notes.some(text => text.includes('is gone'))"), view.js("return window.notes")
+    view.severe()  # the browser logs that it closed the connection
+
+
 def check_time(view):
     view.pause()
     frame = view.js("return window.plumb.frame.frame")
@@ -296,6 +324,30 @@ def check_page(plumb, folder):
         browser.quit()
 
 
+def check_phone(view, picture):
+    """Open controls leave a part of the page to the view, and their button stays in reach."""
+    view.click("fold")
+    view.js("document.getElementById('panel').scrollTop = 500")
+    assert view.js("return document.getElementById('panel').scrollTop") > 100, "controls are longer than their part"
+    edges = view.js("return ['view', 'panel', 'fold'].map(id => document.getElementById(id).getBoundingClientRect())"
+                    ".flatMap(box => [box.top, box.bottom])")
+    assert edges[1] <= edges[2] + 1 and edges[1] > 200, "the view ends where controls begin"
+    assert edges[2] <= edges[4] < edges[2] + 10, "the button that closes them stands still"
+    view.goes_on()
+    view.browser.save_screenshot(picture)
+    view.click("fold")
+
+
+def check_sleeper(plumb):
+    browser = start_browser(False, 1280, 720)  # a tab that was frozen is no good to other tests
+    try:
+        with View(plumb, browser, "heap") as view:
+            check_sleep(view)
+            assert not view.severe(), view.severe()
+    finally:
+        browser.quit()
+
+
 def take_pictures(plumb, folder):
     for dark in [False, True]:
         for width, height in [(1280, 720), (390, 844)]:
@@ -309,6 +361,8 @@ def take_pictures(plumb, folder):
                         assert not over, f"{scene} is wider than {width}"
                         tint = "dark" if dark else "light"
                         browser.save_screenshot(os.path.join(folder, f"{scene}-{tint}-{width}.png"))
+                        if width < 760:
+                            check_phone(view, os.path.join(folder, f"{scene}-{tint}-controls.png"))
                         assert not view.severe(), view.severe()
             finally:
                 browser.quit()
@@ -327,6 +381,7 @@ def read_arguments():
 def main():
     plumb, folder = read_arguments()
     check_page(plumb, folder)
+    check_sleeper(plumb)
     take_pictures(plumb, folder)
 
 

@@ -1,4 +1,5 @@
-// The server lets nobody in but its own page, listens on 127.0.0.1 alone, and outlives torn connections.
+// The server lets nobody in but its own page, listens on 127.0.0.1 alone, and outlives torn connections and
+// sleepers.
 #include "view/server/server.hpp"
 
 #include <arpa/inet.h>
@@ -7,9 +8,11 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "view/exhibits.hpp"
 #include "view/server/access.hpp"
@@ -64,6 +67,31 @@ class Visitor {
     while (out.find(end) == std::string::npos && ::recv(socket_, &byte, 1, 0) == 1) out += byte;
     return out;
   }
+  /// Reads up to the next frame, and returns its number.
+  std::uint32_t read_frame() const {
+    (void)read("PLV2");
+    std::uint32_t number = 0;
+    EXPECT_EQ(::recv(socket_, &number, sizeof number, MSG_WAITALL), static_cast<ssize_t>(sizeof number));
+    return number;
+  }
+  /// Says that it took a frame: an empty binary message, masked as all that a browser sends.
+  void take() const { send({"\x82\x80\0\0\0\0", 6}); }
+  /// Sends a request of fewer than 126 bytes.
+  void ask(const std::string& text) const {
+    send(std::string("\x81") + static_cast<char>(0x80 + text.size()) + std::string(4, '\0') + text);
+  }
+  /// Reads all that comes until nothing does for a while, and counts a text in it.
+  std::size_t count(const std::string& text) const {
+    const timeval patience{0, 500'000};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    std::string all;
+    std::vector<char> bytes(1 << 16);
+    for (ssize_t n = 0; (n = ::recv(socket_, bytes.data(), bytes.size(), 0)) > 0;)
+      all.append(bytes.data(), static_cast<std::size_t>(n));
+    std::size_t out = 0;
+    for (std::size_t at = all.find(text); at != all.npos; at = all.find(text, at + 1)) ++out;
+    return out;
+  }
   /// Tears the connection, with a reset in place of a farewell.
   void leave() {
     if (socket_ < 0) return;
@@ -80,8 +108,8 @@ class Visitor {
 
 class ViewServer : public testing::Test {
  protected:
-  ViewServer()
-      : server_(Exhibit(test::start_of("chain:links=4", {{.method = Method::direct}})), 0),
+  explicit ViewServer(const Limits& limits = {})
+      : server_(Exhibit(test::start_of("chain:links=4", {{.method = Method::direct}})), 0, {}, limits),
         thread_([this] { server_.run(false); }) {}
   ~ViewServer() override {
     server_.stop();
@@ -173,6 +201,51 @@ TEST_F(ViewServer, OutlivesTornConnectionsAndTurnsSecondPagesAway) {
   Visitor visitor(server_.port());
   visitor.send(get(""));
   EXPECT_NE(visitor.read("</html>").find("<canvas"), std::string::npos);
+}
+
+constexpr Limits of_sleepers{
+    .most_untaken = 4, .most_waiting_bytes = 16'384, .until_asleep = std::chrono::milliseconds(200)};
+
+class ViewServerOfSleepers : public ViewServer {
+ protected:
+  ViewServerOfSleepers() : ViewServer(of_sleepers) {}
+};
+
+// A page that takes nothing for half a second, 30 frames, is sent four of them. Then the latest comes, not
+// the fifth.
+TEST_F(ViewServerOfSleepers, AreSentFewFramesAndThenThePresent) {
+  Visitor page(server_.port());
+  page.send(upgrade());
+  std::uint32_t last = 0;
+  for (unsigned i = 0; i < of_sleepers.most_untaken; ++i) last = page.read_frame();
+  ::usleep(500'000);
+  page.take();
+  const std::uint32_t present = page.read_frame();
+  EXPECT_GT(present, last + 5) << "frames came that it had not asked for";
+  for (unsigned i = 0; i < of_sleepers.most_untaken; ++i) page.take();
+  EXPECT_LE(page.read_frame(), present + 30) << "it goes on frame by frame";
+}
+
+TEST_F(ViewServerOfSleepers, MakeRoomForOthers) {
+  Visitor asleep(server_.port());
+  asleep.send(upgrade());
+  for (unsigned i = 0; i < of_sleepers.most_untaken; ++i) (void)asleep.read_frame();
+  ::usleep(400'000);
+  Visitor other(server_.port());
+  other.send(upgrade());
+  EXPECT_NE(other.read("PLV2").find("\"kind\":\"menu\""), std::string::npos) << "it is the page now";
+  EXPECT_EQ(asleep.count("PLV2"), 0u);
+}
+
+// Answers of some 17 MB are more than connections hold, and far more than may wait.
+TEST_F(ViewServerOfSleepers, GetAllAnswersOnceTheyRead) {
+  Visitor page(server_.port());
+  page.send(upgrade());
+  (void)page.read_frame();
+  constexpr std::size_t asked = 10'000;
+  for (std::size_t i = 0; i < asked; ++i) page.ask(R"({"do": "record"})");
+  ::usleep(500'000);
+  EXPECT_EQ(page.count("\"kind\":\"replay\""), asked);
 }
 
 }  // namespace

@@ -183,7 +183,7 @@ std::string experiments_text(const HumanoidRun& usual) {
 }
 
 PoseRow row_of(const std::string& title, const HumanoidRun& run, const HumanoidResult& result) {
-  return {.title = title, .scene = make_scene(run), .poses = result.poses};
+  return {.title = title, .scene = make_scene(run), .poses = result.poses, .motion = result.motion};
 }
 
 std::string run_title(const HumanoidRun& run) {
@@ -234,6 +234,7 @@ int run_once(const HumanoidOptions& options) {
   if (!options.out.empty()) {
     Section section = section_of(options);
     const PoseRow row = row_of(run_title(run), run, result);
+    section.add_replay(replay_poses({&row, 1}, run.dt));
     section.add_svg(options.out, "humanoid_run", draw_poses({&row, 1}));
     section.add_table(table);
     section.publish(options.out);
@@ -261,6 +262,7 @@ void publish_experiments(const HumanoidOptions& options, const std::vector<Human
     section.add_heading(std::string("Figure ") + claim.figure + ": " + claim.text);
     std::string file = std::string("humanoid_") + claim.figure;
     file[file.find('.')] = '_';
+    section.add_replay(replay_poses(rows, options.run.dt));
     section.add_svg(options.out, file, draw_poses(rows));
   }
   section.publish(options.out);
@@ -381,7 +383,7 @@ void add_humanoid_command(Command& plumb) {
   experiments.excludes(seed);
   command.add_option("--report", "OUT.json", o.report,
                      "Write what was thrown, what came of it and the machine to this file");
-  command.add_option("--out", "DIR", o.out, "Write a page with drawn poses into this folder");
+  command.add_option("--out", "DIR", o.out, "Write a page with replays and drawn poses into this folder");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors; with --experiments no progress bar");
   command.set_footer(
       "Examples:\n"

@@ -167,7 +167,6 @@ HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
   World world(scene, settings);
 
   HumanoidResult result;
-  std::vector<std::vector<Vec3>> positions;
   Frame now{.t = 0,
             .positions = std::vector<Vec3>(world.particle_count()),
             .velocities = std::vector<Vec3>(world.particle_count())};
@@ -179,7 +178,7 @@ HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
     result.finite = result.finite && std::isfinite(result.energy_after);
     result.max_stretch = std::max(result.max_stretch, measure_stretch(scene, now.positions).max);
     result.penetration = std::max(result.penetration, deepest_penetration(scene, now.positions));
-    if (with_poses) positions.push_back(now.positions);
+    if (with_poses) result.motion.push_back({.t = now.t, .positions = now.positions, .velocities = {}});
   };
   visit();
   result.energy_before = result.energy_after;
@@ -208,8 +207,8 @@ HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
     result.time_to_rest = time_to_rest(result.track, *impact);
   }
   if (!with_poses) return result;
-  for (const std::size_t i : frames_to_show(impact ? impact->first - 1 : 0, positions.size() - 1))
-    result.poses.push_back({.t = result.track[i].t, .positions = positions[i], .velocities = {}});
+  for (const std::size_t i : frames_to_show(impact ? impact->first - 1 : 0, result.motion.size() - 1))
+    result.poses.push_back(result.motion[i]);
   return result;
 }
 

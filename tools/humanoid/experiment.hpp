@@ -78,6 +78,7 @@ struct HumanoidResult {
   std::vector<Instant> track{};
   /// `poses_shown` frames from before the impact to the end, if they were asked for.
   std::vector<Frame> poses{};
+  std::vector<Frame> motion{};  ///< All frames, if poses were asked for.
 };
 inline constexpr std::size_t poses_shown = 6;
 

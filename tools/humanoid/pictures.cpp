@@ -46,8 +46,9 @@ Window window_of(std::span<const PoseRow> rows) {
   for (const PoseRow& row : rows) {
     if (row.poses.empty() || row.scene.capsules.empty()) continue;
     take_in(row.scene.capsules.back(), row.poses.front());
-    for (const Frame& pose : row.poses)
-      for (std::size_t i = 0; i + 1 < row.scene.capsules.size(); ++i) take_in(row.scene.capsules[i], pose);
+    for (const std::vector<Frame>* frames : {&row.poses, &row.motion})
+      for (const Frame& pose : *frames)
+        for (std::size_t i = 0; i + 1 < row.scene.capsules.size(); ++i) take_in(row.scene.capsules[i], pose);
   }
   window.left -= margin;
   window.right += margin;
@@ -83,24 +84,33 @@ std::string draw_limb(const Panel& panel, const Capsule& capsule, const Frame& p
   return line("edge", "#fff", thickness + 0.8) + line("limb", near ? near_color : far_color, thickness - 0.8);
 }
 
+double depth_of(const Capsule& capsule, std::span<const Vec3> positions) {
+  return place_of(capsule.a, positions).z + place_of(capsule.b, positions).z;
+}
+
+/// Says of each capsule whether it is on the near side while the figure stands.
+std::vector<bool> near_capsules(const Scene& scene) {
+  std::vector<Vec3> standing;
+  for (const Particle& particle : scene.particles) standing.push_back(particle.position);
+  std::vector<bool> out;
+  for (const Capsule& capsule : scene.capsules) out.push_back(depth_of(capsule, standing) >= -0.02);
+  return out;
+}
+
 /// Draws the figure's limbs from the farthest to the nearest. Limbs that are on the far side while it stands
 /// stay pale all the way.
 std::string draw_figure(const Panel& panel, const PoseRow& row, const Frame& pose) {
   const std::vector<Capsule>& capsules = row.scene.capsules;
   std::vector<std::size_t> order(capsules.empty() ? 0 : capsules.size() - 1);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto depth_in = [&](std::size_t i, std::span<const Vec3> positions) {
-    return place_of(capsules[i].a, positions).z + place_of(capsules[i].b, positions).z;
-  };
-  const auto depth = [&](std::size_t i) { return depth_in(i, pose.positions); };
   // Of two limbs whose depths differ by less than a centimetre, the thicker one is behind.
-  const auto key = [&](std::size_t i) { return std::pair(std::lround(50 * depth(i)), -capsules[i].radius); };
+  const auto key = [&](std::size_t i) {
+    return std::pair(std::lround(50 * depth_of(capsules[i], pose.positions)), -capsules[i].radius);
+  };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) { return key(i) < key(k); });
-  std::vector<Vec3> standing;
-  for (const Particle& particle : row.scene.particles) standing.push_back(particle.position);
+  const std::vector<bool> is_near = near_capsules(row.scene);
   std::string out;
-  for (const std::size_t i : order)
-    out += draw_limb(panel, capsules[i], pose, depth_in(i, standing) >= -0.02);
+  for (const std::size_t i : order) out += draw_limb(panel, capsules[i], pose, is_near[i]);
   return out;
 }
 
@@ -162,6 +172,27 @@ std::string draw_poses(std::span<const PoseRow> rows) {
     }
   }
   return out + "</svg>\n";
+}
+
+Replay replay_poses(std::span<const PoseRow> rows, double frame_length) {
+  const Window window = window_of(rows);
+  Replay out{.frame_length = frame_length, .left = window.left, .right = window.right, .top = window.top};
+  for (const PoseRow& row : rows) {
+    const std::vector<Capsule>& capsules = row.scene.capsules;
+    const std::vector<bool> is_near = near_capsules(row.scene);
+    ReplayRun& run = out.runs.emplace_back(ReplayRun{.title = row.title});
+    for (std::size_t i = 0; i < capsules.size(); ++i)
+      run.lines.push_back({.radius = capsules[i].radius,
+                           .look = i + 1 == capsules.size() ? "ball"
+                                   : is_near[i]             ? "near"
+                                                            : "far"});
+    for (const Frame& pose : row.motion) {
+      std::vector<Vec3>& ends = run.frames.emplace_back();
+      for (const Capsule& capsule : capsules)
+        for (const Point* end : {&capsule.a, &capsule.b}) ends.push_back(place_of(*end, pose.positions));
+    }
+  }
+  return out;
 }
 
 }  // namespace plumb::tools

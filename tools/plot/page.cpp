@@ -17,20 +17,49 @@ constexpr const char* page_head = R"(<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>plumb: measured</title>
 <style>
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+:root { color-scheme: light dark; --ink: #222; --soft: #555; --back: #fff; --card: #f5f6f8; --line: #ddd; --strong: #888;
+  --accent: #1f5fa8; --near: #1f5fa8; --far: #8fb3dc; --ball: #d1495b; --ground: #777; --shade: #0003; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6eaf2; --soft: #9aa5b8; --back: #11151c; --card: #1a202b; --line: #2d3646;
+  --strong: #6b7890; --accent: #6ea8f0; --near: #5b9bff; --far: #2f578f; --ball: #ff7a8a; --ground: #8a94a6; --shade: #000a; } }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--back); max-width: 62rem; margin: 2rem auto; padding: 0 1rem; overflow-wrap: break-word; }
+a { color: var(--accent); }
 h1 { font-size: 1.8rem; margin-bottom: 0; }
-h2 { margin-top: 3rem; padding-top: 1rem; border-top: 2px solid #1f5fa8; }
+h2 { margin-top: 3rem; padding-top: 1rem; border-top: 2px solid var(--accent); }
 h3 { margin-top: 2rem; }
 p { max-width: 46rem; }
-table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; margin: 1rem 0; display: block; overflow-x: auto; }
-th, td { padding: 0.2rem 0.8rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
+table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; margin: 1rem 0; display: block; }
+th, td { padding: 0.2rem 0.6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
-td.text { white-space: normal; min-width: 14rem; text-align: left; }
-th { border-bottom: 2px solid #888; font-weight: 600; }
+td.text { white-space: normal; min-width: 14rem; }
+.text { text-align: left; }
+th { border-bottom: 2px solid var(--strong); font-weight: 600; }
 figure { margin: 1rem 0; }
-svg { max-width: 100%; height: auto; }
-.made { font-size: 0.85rem; color: #555; background: #f5f6f8; padding: 0.6rem 1rem; border-radius: 4px; max-width: none; }
+figure { overflow-x: auto; }
+/* A shade at the edge says that there is more: what moves along covers it at both ends. */
+table { overflow-x: auto; background: linear-gradient(90deg, var(--back) 1.5rem, transparent) 0 0 / 3rem 100% local no-repeat,
+  linear-gradient(270deg, var(--back) 1.5rem, transparent) 100% 0 / 3rem 100% local no-repeat,
+  linear-gradient(90deg, var(--shade), transparent) 0 0 / 0.7rem 100% scroll no-repeat,
+  linear-gradient(270deg, var(--shade), transparent) 100% 0 / 0.7rem 100% scroll no-repeat; }
+/* Pictures are files of their own, too, and white in the dark. */
+svg { display: block; max-width: 100%; height: auto; background: #fff; border-radius: 4px; }
+.made { font-size: 0.85rem; color: var(--soft); background: var(--card); padding: 0.6rem 1rem; border-radius: 4px; max-width: none; }
 code { font-size: 0.9em; }
+.replay { max-width: 38rem; }
+.runs { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(0, 19rem); gap: 0.5rem; align-items: end; }
+.runs p { margin: 0 0 0.3rem; font-size: 0.9rem; }
+.runs canvas { display: block; width: 100%; }
+.time { display: flex; align-items: center; gap: 0.6rem; margin-top: 0.4rem; }
+.time input { flex: 1; min-width: 0; accent-color: var(--accent); }
+.time output { min-width: 3.5rem; text-align: right; font-variant-numeric: tabular-nums; color: var(--soft); }
+.time button, .time select { font: inherit; font-size: 0.9rem; min-width: 4.5rem; min-height: 2.2rem; color: inherit; background: var(--card); border: 1px solid var(--line); border-radius: 6px; }
+@media (max-width: 700px) {
+  .time button, .time select { min-height: 2.8rem; }
+  th:first-child, td:first-child { white-space: normal; overflow-wrap: break-word; min-width: 4.5rem; max-width: 9rem; }
+  th { white-space: normal; }
+  th, td { padding: 0.2rem 0.5rem; }
+  td.text { min-width: 11rem; }
+  figure svg { max-width: none; width: 42rem; }
+}
 </style>
 </head>
 <body>
@@ -94,6 +123,11 @@ void Section::add_live() {
   body_ += std::string(live_mark) + "\n";
 }
 
+void Section::add_replay(const Replay& replay) {
+  body_ += replay_data(replay);
+  has_replay_ = true;
+}
+
 void Section::add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart) {
   add_svg(folder, file, draw_svg(chart));
 }
@@ -103,10 +137,14 @@ void Section::add_svg(const std::filesystem::path& folder, const std::string& fi
   body_ += "<figure>\n" + inline_svg(svg, file) + "</figure>\n";
 }
 
+std::string Section::text() const {
+  return body_ + (has_replay_ ? replay_player() : "") + "</section>\n";
+}
+
 void Section::publish(const std::filesystem::path& folder) const {
   const std::filesystem::path sections = folder / "sections";
   make_folder(sections);
-  scenes::write_file(sections / (name_ + ".html"), body_ + "</section>\n");
+  scenes::write_file(sections / (name_ + ".html"), text());
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(sections)) {
     if (entry.path().extension() == ".html") files.push_back(entry.path());
@@ -123,7 +161,7 @@ void Section::publish(const std::filesystem::path& folder) const {
 void Section::publish_alone(const std::filesystem::path& folder) const {
   make_folder(folder);
   scenes::write_file(folder / (name_ + ".html"),
-                     page_head + with_live(body_, folder, name_) + "</section>\n</body>\n</html>\n");
+                     page_head + with_live(text(), folder, name_) + "</body>\n</html>\n");
 }
 
 void make_folder(const std::filesystem::path& folder) {

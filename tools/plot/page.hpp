@@ -4,14 +4,15 @@
 #include <string>
 
 #include "plot/chart.hpp"
+#include "plot/replay.hpp"
 #include "plot/table.hpp"
 #include "scenes/runs/machine.hpp"
 
 namespace plumb::tools {
 
-/// A section is one part of the results page. It shows headings, text, tables and charts in the order in
-/// which they are added. A folder of results holds the sections of several commands. Its index.html shows
-/// them all and loads nothing from elsewhere.
+/// A section is one part of the results page. It shows headings, text, tables, charts and replays in the
+/// order in which they are added. A folder of results holds the sections of several commands. Its index.html
+/// shows them all and loads nothing from elsewhere.
 class Section {
  public:
   /// `name` becomes the file's name and the link's target. `command` is what the user typed.
@@ -24,6 +25,8 @@ class Section {
   /// Adds a link to a live page, `folder`/live/NAME/index.html, or how to get it if that is not there when
   /// the section is published.
   void add_live();
+  /// Adds a replay, which is seen where the browser runs scripts; stills belong beside it.
+  void add_replay(const Replay& replay);
   /// Adds a chart, and writes it as a file of its own, FOLDER/`file`.svg, too.
   void add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart);
   /// Does the same with a picture that is drawn already.
@@ -35,8 +38,11 @@ class Section {
   void publish_alone(const std::filesystem::path& folder) const;
 
  private:
+  std::string text() const;
+
   std::string name_;
   std::string body_;
+  bool has_replay_ = false;
 };
 
 /// Makes the folder if it is not there. Throws InputError if it cannot be made.

@@ -11,14 +11,15 @@ std::size_t width_of(const std::string& text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-/// A longer cell, in characters, is a sentence, and its lines may break.
+/// A longer cell, in characters, is a sentence. Lines of its column may break, and all begin at the left.
 constexpr std::size_t longest_number = 40;
 
-void append_html_row(std::string& out, const std::vector<std::string>& cells, const std::string& tag) {
+void append_html_row(std::string& out, const std::vector<std::string>& cells, const std::string& tag,
+                     const std::vector<bool>& is_text) {
   out += "<tr>";
-  for (const std::string& cell : cells) {
-    const char* kind = cell.size() > longest_number ? " class=\"text\"" : "";
-    out += "<" + tag + kind + ">" + escape_html(cell) + "</" + tag + ">";
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    out.append("<").append(tag).append(is_text[c] ? " class=\"text\">" : ">");
+    out.append(escape_html(cells[c])).append("</").append(tag).append(">");
   }
   out += "</tr>\n";
 }
@@ -47,10 +48,13 @@ std::string Table::to_text() const {
 }
 
 std::string Table::to_html() const {
+  std::vector<bool> is_text(header_.size());
+  for (const auto& row : rows_)
+    for (std::size_t c = 0; c < row.size(); ++c) is_text[c] = is_text[c] || row[c].size() > longest_number;
   std::string out = "<table>\n<thead>";
-  append_html_row(out, header_, "th");
+  append_html_row(out, header_, "th", is_text);
   out += "</thead>\n<tbody>\n";
-  for (const auto& row : rows_) append_html_row(out, row, "td");
+  for (const auto& row : rows_) append_html_row(out, row, "td", is_text);
   return out + "</tbody>\n</table>\n";
 }
 

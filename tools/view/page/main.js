@@ -13,6 +13,7 @@ import { connect } from "./socket.js";
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
+const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
 const short = (value, digits = 3) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5
   ? value.toExponential(1) : String(Number(value.toPrecision(digits))));
 const plots = {
@@ -53,7 +54,7 @@ const send = connect({
     recording.frame(bytes, next.frame);
     take(next);
   },
-  state: (state, reason) => (state === "open" ? note("") : note(reason, true, true)),
+  state: (state, text) => note(text, state !== "open", state !== "open"),
 });
 const panel = new Panel(send);
 
@@ -113,9 +114,11 @@ function setSides(message) {
 
 function take(next) {
   if (!painter?.model || next.sides[0].positions.length !== 3 * painter.model.particles) return;
-  if (frame && next.frame < frame.frame) painter.clearTrails();
+  const missed = frame ? next.frame - frame.frame - 1 : 0;
+  if (missed < -1 || missed > MANY_FRAMES) painter.clearTrails();
+  if (missed > MANY_FRAMES) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
   const now = performance.now();
-  if (frame && next.frame > frame.frame) {
+  if (frame && next.frame > frame.frame && missed <= MANY_FRAMES) {
     period = Math.min(400, Math.max(8, now - arrived));
     before = frame;
   } else before = null;
@@ -172,7 +175,8 @@ function resize() {
 
 function showTitles() {
   const ports = painter.viewports(), scale = canvas.width / canvas.clientWidth;
-  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - 96, i: port.shown[0] })) : [];
+  const bars = canvas.clientHeight < innerHeight ? 58 : 96; // on a phone bars lie under the view
+  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - bars, i: port.shown[0] })) : [];
   if (wanted.length !== byId("titles").children.length)
     byId("titles").replaceChildren(...wanted.map(() => document.createElement("span")));
   wanted.forEach(({ left, top, i }, k) => {

@@ -1,27 +1,41 @@
 // The connection to the server, which comes back by itself when it is torn.
 
+const TAKEN = new Uint8Array(0);
+const GONE = "The connection to plumb view is gone. It comes back by itself while the program runs.";
+const WOKE = "This page slept, and the browser closed its connection. It goes on at the present; plots and recording begin anew.";
+
 /** Connects and calls `on.text`, `on.frame` and `on.state`. Returns a function that sends a request. */
 export function connect(on) {
-  let socket = null, wait = 500, queue = [];
-  const open = () => {
+  let socket = null, wait = 500, queue = [], slept = false;
+  const open = (said = "") => {
     const url = new URL("socket", location.href);
     url.protocol = "ws:";
     socket = new WebSocket(url);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       wait = 500;
-      on.state("open", "");
+      on.state("open", said);
       queue.forEach((message) => socket.send(message));
       queue = [];
     };
-    socket.onmessage = ({ data }) => (typeof data === "string" ? on.text(JSON.parse(data)) : on.frame(data));
+    socket.onmessage = ({ data }) => {
+      if (typeof data === "string") return on.text(JSON.parse(data));
+      socket.send(TAKEN); // the server sends no more than a few frames to a page that does not say so
+      on.frame(data);
+    };
     socket.onclose = ({ code, reason }) => {
-      on.state("closed", code === 1013 ? reason
-        : "The connection to plumb view is gone. It comes back by itself while the program runs.");
+      if (slept && code !== 1013) {
+        slept = false;
+        setTimeout(open, 100, WOKE); // by then the server knows that the old connection is gone
+        return;
+      }
+      on.state("closed", code === 1013 ? reason : GONE);
       setTimeout(open, wait);
       wait = Math.min(2 * wait, 5000);
     };
   };
+  // Browsers close connections of pages that they freeze; that is no failure of the server.
+  document.addEventListener("freeze", () => { slept = true; });
   open();
   return (message) => {
     if (socket.readyState === WebSocket.OPEN) socket.send(message);

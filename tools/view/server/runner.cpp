@@ -4,8 +4,10 @@
 
 namespace plumb::view {
 
-Runner::Runner(Exhibit exhibit, Outlet outlet, std::optional<Replay> replay)
-    : show_(std::move(exhibit), std::move(outlet), std::move(replay)), thread_([this] { run(); }) {}
+Runner::Runner(Exhibit exhibit, Outlet outlet, std::function<void()> done, std::optional<Replay> replay)
+    : show_(std::move(exhibit), std::move(outlet), std::move(replay)),
+      done_(std::move(done)),
+      thread_([this] { run(); }) {}
 
 Runner::~Runner() {
   {
@@ -56,7 +58,10 @@ void Runner::run() {
   while (wait(messages, has_come)) {
     const bool has_news = has_come || !messages.empty();
     if (has_come) show_.greet();
-    for (const std::string& message : messages) show_.obey(message);
+    for (const std::string& message : messages) {
+      show_.obey(message);
+      done_();
+    }
     messages.clear();
     if (!show_.step_if_due() && has_news) show_.publish();
   }

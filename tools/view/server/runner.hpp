@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,10 +12,11 @@
 
 namespace plumb::view {
 
-/// Runs a show in a thread of its own while a page watches it. The outlet is called from that thread.
+/// Runs a show in a thread of its own while a page watches it. The outlet is called from that thread, and so
+/// is `done` after each message.
 class Runner {
  public:
-  Runner(Exhibit exhibit, Outlet outlet, std::optional<Replay> replay = {});
+  Runner(Exhibit exhibit, Outlet outlet, std::function<void()> done, std::optional<Replay> replay = {});
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
@@ -31,6 +33,7 @@ class Runner {
   bool wait(std::deque<std::string>& messages, bool& has_come);
 
   Show show_;  ///< Of the thread alone.
+  std::function<void()> done_;
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -28,8 +28,8 @@ using Error = boost::system::error_code;
 
 /// A dropped file may be so large, in bytes.
 constexpr std::size_t largest_message = 32 << 20;
-/// A page that reads nothing, as of a tab that sleeps, may be behind by so many messages that are not frames.
-constexpr std::size_t most_waiting = 1000;
+/// Requests that may be under way to the worlds; the next are read when these are done.
+constexpr unsigned most_requests = 64;
 
 std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -43,17 +43,20 @@ std::string_view type_of(std::string_view file) {
   return "application/octet-stream";
 }
 
-/// The page as a WebSocket. One message is written at a time; of frames that wait only the latest is kept.
+/// The page as a WebSocket. One message is written at a time; of frames that wait only the latest is kept. A
+/// tab that sleeps reads nothing: few frames are on their way to it, so that it goes on at the present when
+/// it wakes.
 class Page : public std::enable_shared_from_this<Page> {
  public:
-  Page(tcp::socket socket, std::function<void(std::string)> heard, std::function<void(Page*)> gone)
-      : socket_(std::move(socket)), heard_(std::move(heard)), gone_(std::move(gone)) {}
+  Page(tcp::socket socket, const Limits& limits, std::function<void(std::string)> heard,
+       std::function<void(Page*)> gone)
+      : socket_(std::move(socket)), limits_(limits), heard_(std::move(heard)), gone_(std::move(gone)) {}
 
   template <class Opened>
   void open(const http::request<http::string_body>& request, Opened opened) {
-    // A torn connection says nothing: pings find out.
+    // There are no pings: a tab that sleeps cannot answer them, and on one machine a torn connection says so.
     socket_.set_option(
-        websocket::stream_base::timeout{std::chrono::seconds(10), std::chrono::seconds(20), true});
+        websocket::stream_base::timeout{std::chrono::seconds(10), websocket::stream_base::none(), false});
     socket_.read_message_max(largest_message);
     socket_.auto_fragment(false);  // else a large frame goes out 4 kB at a time
     socket_.async_accept(request, [self = shared_from_this(), opened](Error error) {
@@ -64,13 +67,21 @@ class Page : public std::enable_shared_from_this<Page> {
   }
 
   void send_text(std::string text) {
-    if (texts_.size() < most_waiting) texts_.push_back(std::move(text));
+    waiting_bytes_ += text.size();
+    texts_.push_back(std::move(text));
     write();
   }
   void send_frame(std::string frame) {
     frame_ = std::move(frame);
     write();
   }
+  /// A request has been done.
+  void count_done() {
+    if (requests_ > 0) --requests_;
+    listen();
+  }
+  /// Whether frames lie untaken for so long that the page is taken for one that sleeps.
+  bool sleeps() const { return untaken_ > 0 && Clock::now() - untaken_since_ > limits_.until_asleep; }
   void refuse(const std::string& reason) {
     is_refused_ = true;
     socket_.async_close(websocket::close_reason(websocket::close_code::try_again_later, reason),
@@ -82,29 +93,52 @@ class Page : public std::enable_shared_from_this<Page> {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Whoever asks and does not read is not heard until it has read, so that answers do not pile up.
   void listen() {
+    if (is_listening_ || requests_ >= most_requests || waiting_bytes_ > limits_.most_waiting_bytes) return;
+    is_listening_ = true;
     socket_.async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
       if (error) return self->end();
-      if (!self->is_refused_) self->heard_(beast::buffers_to_string(self->buffer_.data()));
-      self->buffer_.consume(self->buffer_.size());
+      self->is_listening_ = false;
+      self->hear();
       self->listen();
     });
   }
 
+  /// Takes what was read. A binary message says that the page took a frame.
+  void hear() {
+    if (socket_.got_binary()) {
+      if (untaken_ > 0) --untaken_;
+      untaken_since_ = Clock::now();
+      write();
+    } else if (!is_refused_) {
+      ++requests_;
+      heard_(beast::buffers_to_string(buffer_.data()));
+    }
+    buffer_.consume(buffer_.size());
+  }
+
   void write() {
-    if (is_writing_ || is_refused_ || (texts_.empty() && frame_.empty())) return;
-    is_writing_ = true;
     const bool is_text = !texts_.empty();
+    const bool is_frame = !is_text && !frame_.empty() && untaken_ < limits_.most_untaken;
+    if (is_writing_ || is_refused_ || !(is_text || is_frame)) return;
+    is_writing_ = true;
     if (is_text) {
       written_ = std::move(texts_.front());
       texts_.pop_front();
+      waiting_bytes_ -= written_.size();
     } else {
       written_ = std::exchange(frame_, {});
+      if (untaken_++ == 0) untaken_since_ = Clock::now();
     }
     socket_.text(is_text);
     socket_.async_write(asio::buffer(written_), [self = shared_from_this()](Error error, std::size_t) {
+      if (error) return self->end();
       self->is_writing_ = false;
-      if (!error) self->write();
+      self->write();
+      self->listen();
     });
   }
 
@@ -113,12 +147,17 @@ class Page : public std::enable_shared_from_this<Page> {
   }
 
   websocket::stream<beast::tcp_stream> socket_;
+  Limits limits_;
   std::function<void(std::string)> heard_;
   std::function<void(Page*)> gone_;
   beast::flat_buffer buffer_;
   std::deque<std::string> texts_;
+  std::size_t waiting_bytes_ = 0;  ///< Size of all texts that wait.
   std::string frame_, written_;
-  bool is_writing_ = false, is_refused_ = false, has_ended_ = false;
+  unsigned requests_ = 0;  ///< Requests that worlds have not done.
+  unsigned untaken_ = 0;   ///< Frames that were written and of which the page has not said that it took them.
+  Clock::time_point untaken_since_{};  ///< When it took one, or when the first of them was written.
+  bool is_writing_ = false, is_listening_ = false, is_refused_ = false, has_ended_ = false;
 };
 
 /// A connection that asks for a file, or to become the page's WebSocket.
@@ -185,6 +224,9 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 }  // namespace
 
 struct Server::Impl {
+  explicit Impl(const Limits& limits_of_pages) : limits(limits_of_pages) {}
+
+  Limits limits;
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   Door door;
@@ -217,17 +259,18 @@ struct Server::Impl {
 
   void upgrade(tcp::socket socket, http::request<http::string_body> request) {
     const auto comer = std::make_shared<Page>(
-        std::move(socket), [this](std::string message) { runner->take(std::move(message)); },
+        std::move(socket), limits, [this](std::string message) { runner->take(std::move(message)); },
         [this](const Page* who) {
           if (page.get() != who) return;
           page.reset();
           runner->detach();
         });
     comer->open(request, [this](const std::shared_ptr<Page>& opened) {
-      if (page) {
+      if (page && !page->sleeps()) {
         opened->refuse("Another page shows these worlds already. Close it, then reload this one.");
         return;
       }
+      if (page) page->close();
       page = opened;
       runner->attach();
     });
@@ -243,11 +286,16 @@ struct Server::Impl {
   }
 };
 
-Server::Server(Exhibit exhibit, unsigned port, std::optional<Replay> replay)
-    : impl_(std::make_unique<Impl>()) {
+Server::Server(Exhibit exhibit, unsigned port, std::optional<Replay> replay, const Limits& limits)
+    : impl_(std::make_unique<Impl>(limits)) {
   impl_->listen(port);
   impl_->runner = std::make_unique<Runner>(
       std::move(exhibit), Outlet{impl_->to_page(&Page::send_text), impl_->to_page(&Page::send_frame)},
+      [impl = impl_.get()] {
+        asio::post(impl->context, [impl] {
+          if (impl->page) impl->page->count_done();
+        });
+      },
       std::move(replay));
   impl_->accept();
 }
