@@ -45,6 +45,7 @@ struct Added {
   std::uint32_t rod = 0;       ///< Number of the first rod.
   std::uint32_t bend = 0;      ///< Number of the first bend.
   std::uint32_t tackle = 0;    ///< Number of the first tackle.
+  std::uint32_t capsule = 0;   ///< Number of the first capsule.
 
   /// Returns whether all members are equal.
   friend constexpr bool operator==(const Added&, const Added&) = default;

@@ -38,14 +38,15 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
 }
 
 void Clusters::grow(std::span<LinkageState> islands) {
-  for (std::size_t i = islands_.size(); i < islands.size(); ++i) {
-    awake_.push_back(static_cast<std::uint32_t>(i));
-    any_shapes_ = any_shapes_ || islands[i].linkage->has_shapes();
-  }
   islands_ = islands;
   marks_.resize(islands_.size(), 0);
   root_.resize(islands_.size());
   bounds_.resize(islands_.size(), nowhere);
+}
+
+void Clusters::begin(std::uint32_t island) {
+  awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), island), island);
+  any_shapes_ = any_shapes_ || islands_[island].linkage->has_shapes();
 }
 
 void Clusters::end(std::uint32_t island) {

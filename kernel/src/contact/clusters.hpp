@@ -18,8 +18,10 @@ class Clusters {
   /// than `margin` (m) may touch.
   void start(std::span<LinkageState> islands, double margin);
 
-  /// Takes in islands that follow those it knows, and where all are now. New ones are awake.
+  /// Takes in where all islands are now, and makes room for those that begin() is to know.
   void grow(std::span<LinkageState> islands);
+  /// Begins to know an island, which is awake.
+  void begin(std::uint32_t island);
   /// Ends an island, which must be awake. Its state lists none from now on, and nothing wakes it.
   void end(std::uint32_t island);
 

@@ -85,6 +85,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   name_shapes(parts, number_of);
   begin_pulls(settings);
   visitors_.resize(states_.size());
+  rooms_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
 }

@@ -7,6 +7,7 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
+#include "contact/edits/given_numbers.hpp"
 #include "contact/edits/part_edits.hpp"
 #include "contact/grabs/linkage_grabs.hpp"
 #include "contact/linkage/scene_parts.hpp"
@@ -60,7 +61,9 @@ class ContactSolver final : public Solver {
   /// See Solver. Rods have their numbers in the scene.
   void set_length(Slot rod, double length, double rate) override;
   /// Returns whether a shape of the scene is still there. Hulls follow capsules.
-  bool has_shape(std::uint32_t shape) const { return shapes_[shape].island != ended; }
+  bool has_shape(std::uint32_t shape) const {
+    return shape < shapes_.size() && shapes_[shape].island != ended;
+  }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
   struct Made {
     std::uint32_t island;
@@ -72,6 +75,20 @@ class ContactSolver final : public Solver {
   /// Does so with plain islands that come together, with each other or with some that have no shapes. `now`
   /// has particles and rigid rods of all of them, edited, where they are; capsules come from the islands.
   std::vector<Made> make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, NamedPart now);
+  GivenNumbers& numbers() { return numbers_; }
+  /// Has so many numbers. Nothing has those that are new.
+  void resize_islands(std::uint32_t count);
+  /// Takes in plain islands with capsules, which are at home from the start on. Numbers of capsules are those
+  /// among shapes.
+  std::vector<Made> add(NamedPart part);
+  /// Returns the number among shapes of a capsule or hull of the scene. Capsules and hulls that the world
+  /// began with come first, then those capsules that were added.
+  std::uint32_t number_of(ShapeId shape) const {
+    if (shape.kind == ShapeKind::hull) return capsules_ + shape.number;
+    return shape.number < capsules_ ? shape.number : shape.number + hulls_;
+  }
+  /// Returns the numbers of an island's capsules, ascending.
+  std::vector<std::uint32_t> capsules_of(std::uint32_t island) const;
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
@@ -232,11 +249,11 @@ class ContactSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return false; }
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, grabs,
-           states, visitors, is_plain, histories, first_slot, island_of, springs, torsions, angles, rods,
-           pins, shapes, capsules, shape_ids, first_shape, ground_pushes, contacts, counts_pulls,
-           counts_touches, lists_contacts, is_listed, clusters, pieces, work_of_pieces, team, returned, woken,
-           rests, work, movers] = *this;
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses,
+           numbers, grabs, states, visitors, is_plain, histories, first_slot, island_of, springs, torsions,
+           angles, rods, pins, shapes, capsules, hulls, shape_ids, first_shape, rooms, ground_pushes,
+           contacts, counts_pulls, counts_touches, lists_contacts, is_listed, clusters, pieces,
+           work_of_pieces, team, returned, woken, rests, work, movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);
@@ -260,6 +277,10 @@ class ContactSolver final : public Solver {
   struct Owner {
     std::uint32_t island, number;
   };
+  /// So many slots and shapes fit behind the first ones of a number.
+  struct Room {
+    std::size_t slots = 0, shapes = 0;
+  };
   /// Says where a particle was that moves: an island, and its number there.
   using Whereabouts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   Whereabouts whereabouts() const;
@@ -272,8 +293,11 @@ class ContactSolver final : public Solver {
   void replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f);
   void retire(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
+  std::size_t kind_like(const Scene& part);
   std::size_t add_kind(const Scene& part);
-  std::uint32_t append(std::size_t kind, const Scene& part, bool plain);
+  void make_room(std::uint32_t count);
+  std::uint32_t begin_island(std::size_t kind, const Scene& part, bool plain);
+  ShapeId id_of_shape(std::uint32_t number) const;
   void rename(const NamedPart& part, const SceneParts& parts, std::span<const std::uint32_t> numbers);
   void wake_with_laws(LinkageState& state);
   IslandGrabs& grabs_of(std::uint32_t island);
@@ -337,7 +361,8 @@ class ContactSolver final : public Solver {
   std::vector<Scene> parts_;  ///< of linkages: one island that is of this kind
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
-  std::vector<IslandGrabs> grabs_;   ///< of islands that something grabs
+  GivenNumbers numbers_;
+  std::vector<IslandGrabs> grabs_;  ///< of islands that something grabs
   std::vector<LinkageState> states_;
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
@@ -346,9 +371,10 @@ class ContactSolver final : public Solver {
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
   std::vector<Owner> rods_, pins_, shapes_;         ///< likewise
-  std::uint32_t capsules_ = 0;                      ///< of the scene, which shapes begin with
+  std::uint32_t capsules_ = 0, hulls_ = 0;          ///< with which the world began, and shapes begin
   std::vector<ShapeId> shape_ids_;                  ///< of the shapes of all islands
   std::vector<std::uint32_t> first_shape_;          ///< by island's number: where its own begin
+  std::vector<Room> rooms_;                         ///< by island's number
   std::vector<Vec3> ground_pushes_;                 ///< N, by ground; none before the first step
   ContactList contacts_;
   bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;

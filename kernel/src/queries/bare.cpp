@@ -26,7 +26,8 @@ Bare::Bare(const Scene& scene, const QuerySettings& settings)
     : finds_rods_(settings.rod_radius > 0),
       finds_particles_(settings.particle_radius > 0),
       shown_rods_(scene.rods.size()),
-      shown_particles_(scene.particles.size()) {
+      shown_particles_(scene.particles.size()),
+      first_capsules_(scene.capsules.size()) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const Capsule& capsule : scene.capsules) {
     const std::vector<std::uint32_t> particles = particles_of(capsule);
@@ -40,20 +41,47 @@ Bare::Bare(const Scene& scene, const QuerySettings& settings)
     }
   for (std::size_t i = 0; i < scene.rods.size(); ++i)
     shown_rods_[i] = pairs.contains(std::minmax(scene.rods[i].a, scene.rods[i].b)) ? 1 : 0;
-  find(scene, {Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(0), Numbers(0)});
+  find(scene,
+       {Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(0), Numbers(0),
+        Numbers(scene.capsules.size())},
+       {});
 }
 
-void Bare::find(const Scene& now, const Population& population) {
+void Bare::find(const Scene& now, const Population& population, std::span<const std::uint8_t> ended) {
   rods_.clear();
   particles_.clear();
+  find_capsules(now, population, ended);
+  const auto has = [](const auto& list, const auto& each) {
+    return std::binary_search(list.begin(), list.end(), each);
+  };
   if (finds_rods_)
     for (std::uint32_t i = 0; i < now.rods.size(); ++i)
-      if (population.rods.has(i) && !is_shown(shown_rods_, population.rods, i))
+      if (population.rods.has(i) && !is_shown(shown_rods_, population.rods, i) &&
+          !has(added_pairs_,
+               std::pair<std::uint32_t, std::uint32_t>(std::minmax(now.rods[i].a, now.rods[i].b))))
         rods_.push_back({i, now.rods[i].a, now.rods[i].b});
   if (finds_particles_)
     for (std::uint32_t i = 0; i < now.particles.size(); ++i)
-      if (population.particles.has(i) && !is_shown(shown_particles_, population.particles, i))
+      if (population.particles.has(i) && !is_shown(shown_particles_, population.particles, i) &&
+          !has(added_at_, i))
         particles_.push_back(i);
+}
+
+void Bare::find_capsules(const Scene& now, const Population& population,
+                         std::span<const std::uint8_t> ended) {
+  capsules_.clear();
+  added_pairs_.clear();
+  added_at_.clear();
+  for (std::uint32_t i = 0; i < now.capsules.size(); ++i) {
+    const bool is_of_scene = i < first_capsules_ && population.capsules.is_first(i);
+    if (is_of_scene || !population.capsules.has(i) || (i < ended.size() && ended[i] != 0)) continue;
+    capsules_.push_back({i, now.capsules[i]});
+    const std::vector<std::uint32_t> particles = particles_of(now.capsules[i]);
+    added_at_.insert(added_at_.end(), particles.begin(), particles.end());
+    if (particles.size() == 2) added_pairs_.emplace_back(particles[0], particles[1]);
+  }
+  std::sort(added_pairs_.begin(), added_pairs_.end());
+  std::sort(added_at_.begin(), added_at_.end());
 }
 
 }  // namespace plumb::detail

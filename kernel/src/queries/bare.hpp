@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "plumb/shapes/queries.hpp"
@@ -10,23 +11,31 @@
 
 namespace plumb::detail {
 
-/// Lists the rods and particles of a world that no shape and no body shows. What was added or joined since
-/// the scene is bare: it comes without shapes.
+/// Lists what of a world the scene of queries does not tell: the rods and particles that no shape and no body
+/// shows, and the capsules that were added since.
 class Bare {
  public:
   Bare(const Scene& scene, const QuerySettings& settings);
 
-  /// Takes those that are there, in the scene as it is now.
-  void find(const Scene& now, const Population& population);
+  /// Takes those that are there, in the scene as it is now. Capsules with a byte in `ended` are not.
+  void find(const Scene& now, const Population& population, std::span<const std::uint8_t> ended);
 
   std::span<const BareRod> rods() const { return rods_; }
   std::span<const std::uint32_t> particles() const { return particles_; }
+  std::span<const AddedCapsule> capsules() const { return capsules_; }
 
  private:
+  void find_capsules(const Scene& now, const Population& population, std::span<const std::uint8_t> ended);
+
   bool finds_rods_, finds_particles_;
   std::vector<std::uint8_t> shown_rods_, shown_particles_;  ///< of the scene
   std::vector<BareRod> rods_;
   std::vector<std::uint32_t> particles_;
+  std::size_t first_capsules_;  ///< those of the scene
+  std::vector<AddedCapsule> capsules_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      added_pairs_;                      ///< particles that those join, ascending
+  std::vector<std::uint32_t> added_at_;  ///< particles that they are at, ascending
 };
 
 }  // namespace plumb::detail

@@ -101,7 +101,7 @@ Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
 }
 
 void Queries::Impl::follow() {
-  const bool are_others = things.list_bare(bare.rods(), bare.particles()) || ordered.empty();
+  const bool are_others = things.list_bare(bare.rods(), bare.particles(), bare.capsules()) || ordered.empty();
   things.update({positions, replaced, gone, ended, platforms});
   if (!are_others) tree.fit(things.bounds());
   if (are_others || tree.is_worn()) tree.build(things.bounds());
@@ -213,13 +213,14 @@ void Queries::update(const World& world) {
   world.copy_positions(of.positions);
   const detail::Step& step = *world.impl_->step;
   const detail::Population& population = step.population();
-  of.bare.find(step.scene(), population);
   // Numbers of what was removed may be those of what was added since.
   for (std::uint32_t i = 0; i < of.particles; ++i) of.replaced[i] = population.particles.is_first(i) ? 0 : 1;
   of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
     of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;
+  of.ended.resize(std::max<std::size_t>(of.ended.size(), population.capsules.count()));
   for (std::uint32_t i = 0; i < of.ended.size(); ++i) of.ended[i] = !world.has_shape({ShapeKind::capsule, i});
+  of.bare.find(step.scene(), population, of.ended);
   of.follow();
 }
 

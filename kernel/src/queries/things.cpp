@@ -122,10 +122,13 @@ void Things::add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, Mes
   add_thing(shape_of(list, i), mesh.filter, {.form = Thing::Form::mesh}, meshes_.size() - 1);
 }
 
-bool Things::list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles) {
+bool Things::list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles,
+                       std::span<const AddedCapsule> capsules) {
   if (std::equal(rods.begin(), rods.end(), rods_.begin(), rods_.end()) &&
-      std::equal(particles.begin(), particles.end(), particles_.begin(), particles_.end()))
+      std::equal(particles.begin(), particles.end(), particles_.begin(), particles_.end()) &&
+      std::equal(capsules.begin(), capsules.end(), added_.begin(), added_.end()))
     return false;
+  added_.assign(capsules.begin(), capsules.end());
   rods_.assign(rods.begin(), rods.end());
   particles_.assign(particles.begin(), particles.end());
   things_.resize(first_bare_);
@@ -138,6 +141,9 @@ bool Things::list_bare(std::span<const BareRod> rods, std::span<const std::uint3
   for (const BareRod& rod : rods_) add_line(QueryTarget::Kind::rod, rod.rod, rod_radius_);
   for (const std::uint32_t particle : particles_)
     add_line(QueryTarget::Kind::particle, particle, particle_radius_);
+  for (const AddedCapsule& each : added_)
+    add_thing(shape_of(ShapeKind::capsule, each.number), each.of.filter,
+              {.radius = each.of.radius, .form = Thing::Form::gone});
   bounds_.resize(things_.size());
   return true;
 }
@@ -161,6 +167,8 @@ void Things::update(const Whereabouts& now) {
     put(bare++, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
   for (const std::uint32_t particle : particles_)
     put(bare++, now.positions[particle], now.positions[particle], true);
+  for (const AddedCapsule& each : added_)
+    put(bare++, combination(each.of.a).of(now.positions), combination(each.of.b).of(now.positions), true);
   move_hulls(now.positions);
   move_platforms(now.platforms);
 }

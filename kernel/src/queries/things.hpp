@@ -40,6 +40,14 @@ struct BareRod {
   friend bool operator==(const BareRod&, const BareRod&) = default;
 };
 
+/// This is a capsule that was added since the scene, by its number in the world and with the world's
+/// particles.
+struct AddedCapsule {
+  std::uint32_t number;
+  Capsule of;
+  friend bool operator==(const AddedCapsule&, const AddedCapsule&) = default;
+};
+
 /// Says where a world is. Particles that are no more those of the scene, rods that are out, and capsules that
 /// ended, are bytes other than 0.
 struct Whereabouts {
@@ -54,9 +62,10 @@ class Things {
   /// Takes shapes and ground of a scene. Bare rods and particles are listed apart.
   Things(const Scene& scene, const QuerySettings& settings);
 
-  /// Lists the bare rods and particles that there are, ascending. Returns whether they are others than last
-  /// time; the list then has others, too.
-  bool list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles);
+  /// Lists the bare rods and particles that there are, and the capsules that were added, ascending. Returns
+  /// whether they are others than last time; the list then has others, too.
+  bool list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles,
+                 std::span<const AddedCapsule> capsules);
   /// Takes everything where it is.
   void update(const Whereabouts& now);
 
@@ -111,6 +120,7 @@ class Things {
   double rod_radius_, particle_radius_;                 ///< m
   std::vector<BareRod> rods_;
   std::vector<std::uint32_t> particles_;
+  std::vector<AddedCapsule> added_;
   std::vector<Carried> carried_;
   /// Of solids, which are hulls on bodies, boxes and hulls of the ground in this order: their shapes now, and
   /// the first box.

@@ -136,6 +136,7 @@ class Step {
   double drag() const { return origin_->scene.drag; }
 
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
+  bool has_contact() const { return compiled_.contact != nullptr; }
   const ContactSolver& contact() const { return *compiled_.contact; }
   bool has_shape(std::uint32_t shape) const {
     return !compiled_.contact || compiled_.contact->has_shape(shape);
@@ -186,7 +187,6 @@ class Step {
   static const Stage all_stages[];
 
   bool always() const { return true; }
-  bool has_contact() const { return compiled_.contact != nullptr; }
   bool has_events() const { return settings_.events; }
 
   void split(StepReport& report);
@@ -201,7 +201,8 @@ class Step {
   void describe();
   void archive_rules(Archive& archive);
   void begin_budget();
-  void relive(std::vector<Split> splits, Population& population, std::uint32_t seats);
+  void relive(std::vector<Split> splits, Population& population, std::uint32_t seats, std::uint32_t islands);
+  std::uint32_t contact_islands() const { return compiled_.contact ? compiled_.contact->island_count() : 0; }
   void relive_anew(const Step& from);
   void redo(const Split& split, const Step& from);
   void copy_state(const Step& from);
@@ -235,6 +236,9 @@ class Step {
   void measure_size(const Scene& scene);
   void relate_errors();
   Removed take_away(std::uint32_t particle);
+  void put_shapes(Split& now, const Fallen& numbers);
+  template <class F>
+  bool any_capsule_at(std::uint32_t particle, F&& f) const;
   bool carries_shape(std::uint32_t anchor) const;
   bool holds_ground(std::uint32_t anchor) const;
   PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;

@@ -94,9 +94,8 @@ struct PLUMB_HIDDEN World::Impl {
     if (shape.number >= of_kind[kind])
       detail::refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", of_kind[kind],
                      " of them");
-    if (shape.kind == ShapeKind::capsule) return shape.number;
-    if (shape.kind == ShapeKind::hull) return of_kind[0] + shape.number;
-    return {};
+    if (shape.kind != ShapeKind::capsule && shape.kind != ShapeKind::hull) return {};
+    return step->has_contact() ? step->contact().number_of(shape) : shape.number;
   }
   void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
   /// Refuses a number that the world does not have. `what` is one of them, `all` how many it has.

@@ -139,6 +139,7 @@ void ContactSolver::retire(std::uint32_t island) {
   clusters_.end(island);
   states_[island].end();
   visitors_[island].end();
+  numbers_.end(island);
   for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
     for (Owner& owner : *owners)
       if (owner.island == island) owner.island = ended;
@@ -161,17 +162,16 @@ std::size_t ContactSolver::kind_number(const LinkageState& state) const {
 template <class F>
 void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f) {
   const SceneParts parts(by.scene);
-  std::map<std::vector<double>, std::size_t> kinds;
   std::vector<std::uint32_t> numbers(parts.count(), ended);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     const Scene& part = parts.part(p);
     if (plain && part.capsules.empty()) continue;
-    const auto [at, is_new] = kinds.try_emplace(likeness(part), 0);
-    if (is_new) at->second = add_kind(part);
-    numbers[p] = append(at->second, part, plain);
-    f(parts, p, states_.back());
+    numbers[p] = begin_island(kind_like(part), part, plain);
+    f(parts, p, states_[numbers[p]]);
   }
   clusters_.grow(states_);
+  for (const std::uint32_t number : numbers)
+    if (number != ended) clusters_.begin(number);
   for (const std::uint32_t island : islands) retire(island);
   rename(by, parts, numbers);
 }
@@ -230,6 +230,24 @@ auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartE
   return out;
 }
 
+auto ContactSolver::add(NamedPart part) -> std::vector<Made> {
+  std::vector<Made> out;
+  replace({}, part, true, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+    for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.particles[own]);
+    out.push_back({state.number, false});
+  });
+  return out;
+}
+
+std::vector<std::uint32_t> ContactSolver::capsules_of(std::uint32_t island) const {
+  std::vector<std::uint32_t> out;
+  const std::uint32_t first = first_shape_[island];
+  const std::size_t count = states_[island].linkage->shapes().size();
+  for (std::size_t i = 0; i < count; ++i) out.push_back(shape_ids_[first + i].number);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 /// Does to an island what is listed of it.
 void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   const Scene before = part.scene;
@@ -248,6 +266,15 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   part.end_torn_capsules(&before);
 }
 
+/// Returns a kind that is like a part, if there is one, or makes it.
+std::size_t ContactSolver::kind_like(const Scene& part) {
+  const std::vector<double> numbers = likeness(part);
+  for (std::size_t kind = 0; kind < parts_.size(); ++kind)
+    if (parts_[kind].particles.size() == part.particles.size() && likeness(parts_[kind]) == numbers)
+      return kind;
+  return add_kind(part);
+}
+
 std::size_t ContactSolver::add_kind(const Scene& part) {
   // One that no island has any more, or a new one.
   const auto kind = static_cast<std::size_t>(std::find(uses_.begin(), uses_.end(), 0u) - uses_.begin());
@@ -262,20 +289,44 @@ std::size_t ContactSolver::add_kind(const Scene& part) {
   return kind;
 }
 
-/// Appends an island of a kind, and returns its number.
-std::uint32_t ContactSolver::append(std::size_t kind, const Scene& part, bool plain) {
-  const auto number = static_cast<std::uint32_t>(states_.size());
-  LinkageState& state = states_.emplace_back(*linkages_[kind], number, part);
+void ContactSolver::resize_islands(std::uint32_t count) {
+  for (std::uint32_t number = island_count(); number < count; ++number) numbers_.add_free(number);
+  make_room(count);
+}
+
+void ContactSolver::make_room(std::uint32_t count) {
+  if (count < island_count()) return;
+  for (std::uint32_t number = island_count(); number < count; ++number) states_.emplace_back(number);
+  is_plain_.resize(count, 0);
+  first_slot_.resize(count, 0);
+  first_shape_.resize(count, 0);
+  rooms_.resize(count);
+  visitors_.resize(count);
+  if (!histories_.empty()) histories_.resize(count);
+  clusters_.grow(states_);
+}
+
+/// Begins an island of a kind, and returns its number.
+std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, bool plain) {
+  const std::uint32_t number = numbers_.take(island_count());
+  if (number >= island_count()) make_room(number + 1);
+  LinkageState& state = states_[number] = LinkageState(*linkages_[kind], number, part);
   ++uses_[kind];
   if (counts_pulls_) state.pulls = state.linkage->make_pulls();
   state.pulls.touched.counts = counts_touches_;
-  is_plain_.push_back(plain);
-  first_slot_.push_back(static_cast<Slot>(island_of_.size()));
-  island_of_.resize(island_of_.size() + part.particles.size(), number);
-  visitors_.emplace_back();
-  if (!histories_.empty()) histories_.emplace_back();
-  first_shape_.push_back(static_cast<std::uint32_t>(shape_ids_.size()));
-  shape_ids_.resize(shape_ids_.size() + state.linkage->shapes().size() + state.linkage->hulls().size());
+  is_plain_[number] = plain;
+  const std::size_t slots = part.particles.size(),
+                    shapes = state.linkage->shapes().size() + state.linkage->hulls().size();
+  if (slots > rooms_[number].slots) {
+    first_slot_[number] = static_cast<Slot>(island_of_.size());
+    island_of_.resize(island_of_.size() + slots, number);
+    rooms_[number].slots = slots;
+  }
+  if (shapes > rooms_[number].shapes) {
+    first_shape_[number] = static_cast<std::uint32_t>(shape_ids_.size());
+    shape_ids_.resize(shape_ids_.size() + shapes);
+    rooms_[number].shapes = shapes;
+  }
   return number;
 }
 
@@ -300,14 +351,11 @@ void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
   put(parts.torsions(), part.torsions, torsions_);
   put(parts.capsules(), part.capsules, shapes_);
   put(parts.hulls(), part.hulls, shapes_);
-  for (const std::uint32_t hull : part.hulls) {
-    Owner& owner = shapes_[hull];
-    owner.number = states_[owner.island].linkage->hulls()[owner.number].number;
-    shape_ids_[first_shape_[owner.island] + owner.number] = {ShapeKind::hull, hull - capsules_};
-  }
-  for (const std::uint32_t capsule : part.capsules)
-    shape_ids_[first_shape_[shapes_[capsule].island] + shapes_[capsule].number] = {ShapeKind::capsule,
-                                                                                   capsule};
+  for (const std::uint32_t hull : part.hulls)
+    shapes_[hull].number = states_[shapes_[hull].island].linkage->hulls()[shapes_[hull].number].number;
+  for (const std::vector<std::uint32_t>* const shapes : {&part.capsules, &part.hulls})
+    for (const std::uint32_t shape : *shapes)
+      shape_ids_[first_shape_[shapes_[shape].island] + shapes_[shape].number] = id_of_shape(shape);
 }
 
 }  // namespace plumb::detail

@@ -52,6 +52,8 @@ struct LinkageState : LinkageMotion {
   /// Starts where the part of a scene does that the kind is made of, or one like it. It sleeps if all movable
   /// particles do.
   LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part);
+  /// Has ended, or not begun.
+  explicit LinkageState(std::uint32_t island) : linkage(nullptr), number(island) { asleep = true; }
 
   const Linkage* linkage;
   std::vector<std::uint32_t> particles;  ///< the scene's numbers

@@ -18,15 +18,21 @@ void ContactSolver::name_shapes(const SceneParts& parts, std::span<const std::ui
   }
   shape_ids_.resize(count);
   capsules_ = static_cast<std::uint32_t>(parts.capsules().size());
+  hulls_ = static_cast<std::uint32_t>(parts.hulls().size());
   std::uint32_t anchored = 0;
   for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
     Owner& owner = shapes_[i];
     if (owner.island == no_island)
       owner.number = surroundings_.numbers.of_anchored(anchored++);
     else
-      shape_ids_[first_shape_[owner.island] + owner.number] =
-          i < capsules_ ? ShapeId{ShapeKind::capsule, i} : ShapeId{ShapeKind::hull, i - capsules_};
+      shape_ids_[first_shape_[owner.island] + owner.number] = id_of_shape(i);
   }
+}
+
+ShapeId ContactSolver::id_of_shape(std::uint32_t number) const {
+  if (number < capsules_) return {ShapeKind::capsule, number};
+  if (number < capsules_ + hulls_) return {ShapeKind::hull, number - capsules_};
+  return {ShapeKind::capsule, number - hulls_};
 }
 
 void ContactSolver::begin_pulls(const Settings& settings) {

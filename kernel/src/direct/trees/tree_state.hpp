@@ -81,7 +81,9 @@ struct TreeState {
                              (run.rows == 1 || (run.row_slot == 1 && lane + run.rows <= lanes));
     if (!is_in_lanes) return false;
     const auto next = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.slot_stride)};
-    read_rows(run, RowsAt<Number>{&from[at(3 * (slot >> shift), lane)], lanes, next}, out);
+    read_rows(run,
+              RowsAt<Number>{&from[at(3 * (slot >> shift), lane)], static_cast<std::ptrdiff_t>(lanes), next},
+              out);
     return true;
   }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;

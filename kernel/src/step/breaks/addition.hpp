@@ -13,6 +13,7 @@ struct Addition {
   std::vector<Rod> rods;
   std::vector<Bend> bends;
   std::vector<Tackle> tackles;
+  std::vector<Capsule> capsules;
   Added first;
 
   Addition() = default;
@@ -21,6 +22,7 @@ struct Addition {
         rods(scene.rods),
         bends(scene.bends),
         tackles(scene.tackles),
+        capsules(scene.capsules),
         first(numbers) {}
 
   /// Returns it as a scene of its own.
@@ -30,7 +32,8 @@ struct Addition {
             .gravity = gravity,
             .drag = drag,
             .bends = bends,
-            .tackles = tackles};
+            .tackles = tackles,
+            .capsules = capsules};
   }
 
   friend bool operator==(const Addition&, const Addition&) = default;
@@ -38,8 +41,8 @@ struct Addition {
 
 template <class Archive>
 void visit_members(Archive& archive, Addition& of) {
-  auto& [particles, rods, bends, tackles, first] = of;
-  archive(particles, rods, bends, tackles, first);
+  auto& [particles, rods, bends, tackles, capsules, first] = of;
+  archive(particles, rods, bends, tackles, capsules, first);
 }
 
 }  // namespace plumb::detail
@@ -74,7 +77,27 @@ void visit_members(Archive& archive, Tackle& of) {
 }
 template <class Archive>
 void visit_members(Archive& archive, Added& of) {
-  auto& [particle, rod, bend, tackle] = of;
-  archive(particle, rod, bend, tackle);
+  auto& [particle, rod, bend, tackle, capsule] = of;
+  archive(particle, rod, bend, tackle, capsule);
+}
+template <class Archive>
+void visit_members(Archive& archive, Point& of) {
+  auto& [particles, weights] = of;
+  archive(particles, weights);
+}
+template <class Archive>
+void visit_members(Archive& archive, Surface& of) {
+  auto& [friction, restitution, rolling, spinning] = of;
+  archive(friction, restitution, rolling, spinning);
+}
+template <class Archive>
+void visit_members(Archive& archive, Filter& of) {
+  auto& [category, mask, group, own_island] = of;
+  archive(category, mask, group, own_island);
+}
+template <class Archive>
+void visit_members(Archive& archive, Capsule& of) {
+  auto& [a, b, radius, surface, filter] = of;
+  archive(a, b, radius, surface, filter);
 }
 }  // namespace plumb

@@ -33,9 +33,10 @@ Compiled Step::compile_addition(const Scene& scene) const {
 Added Step::add(const Scene& scene) {
   breaks_.begin();
   const auto size = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
-  auto& [particles, rods, bends, tackles] = population_;
+  auto& [particles, rods, bends, tackles, capsules] = population_;
   const Added first{particles.find(size(scene.particles)), rods.find(size(scene.rods)),
-                    bends.find(size(scene.bends)), tackles.find(size(scene.tackles))};
+                    bends.find(size(scene.bends)), tackles.find(size(scene.tackles)),
+                    capsules.find(size(scene.capsules))};
   Split now;
   now.added.emplace_back(scene, first);
   Compiled made = compile_addition(scene_of(now.added.front()));
@@ -44,6 +45,7 @@ Added Step::add(const Scene& scene) {
   rods.take(first.rod, size(scene.rods));
   bends.take(first.bend, size(scene.bends));
   tackles.take(first.tackle, size(scene.tackles));
+  capsules.take(first.capsule, size(scene.capsules));
   grow_tables();
   put(now, std::move(made));
   log_.push(std::move(now));
@@ -101,6 +103,20 @@ void Step::put(Split& now, Compiled made) {
   info.unprojected_islands += made.info.unprojected_islands;
   seat(std::move(made.solvers), now.seats);
   put_places(numbers, made, now.seats);
+  if (!of.capsules.empty()) put_shapes(now, numbers);
+}
+
+/// Lets the contact solver know islands with capsules, which are at home.
+void Step::put_shapes(Split& now, const Fallen& numbers) {
+  const Addition& of = now.added.front();
+  ContactSolver& contact = *compiled_.contact;
+  NamedPart part{.scene = scene_of(of), .particles = numbers.particles, .rods = numbers.rods};
+  for (std::uint32_t i = 0; i < of.capsules.size(); ++i)
+    part.capsules.push_back(contact.number_of({ShapeKind::capsule, of.first.capsule + i}));
+  if (mass_model_of(settings_) == MassModel::lumped) lump_masses(part.scene);
+  contact.numbers().give(now.islands);
+  put_parts(contact.add(std::move(part)));
+  now.islands = contact.numbers().made();
 }
 
 // --- Removing
@@ -122,6 +138,7 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   population_.rods.give_back(gone.rods);
   population_.bends.give_back(gone.bends);
   population_.tackles.give_back(gone.tackles);
+  population_.capsules.give_back(gone.capsules);
   drop_edits(gone);
   log_.push_removal(std::move(now), gone.particles);
   return std::move(gone.particles);
@@ -134,6 +151,8 @@ Removed Step::take_away(std::uint32_t particle) {
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
   for (const std::uint32_t number : take_grabs(leaving)) release(number);
+  if (const Place* const place = leaving.empty() ? nullptr : contact_place(leaving.front()))
+    out.capsules = compiled_.contact->capsules_of(compiled_.contact->island_of(place->slot));
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
   compiled_.info.islands -= islands;
@@ -154,18 +173,23 @@ Removed Step::take_away(std::uint32_t particle) {
 /// Returns whether a shape of the scene is at a fixed particle. That of fixed ones alone is ground, and has
 /// no place in an island. Everything else that a fixed particle may hold has one.
 bool Step::carries_shape(std::uint32_t anchor) const {
-  if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
-  for (std::uint32_t i = 0; i < origin_->scene.capsules.size(); ++i)
-    if (compiled_.contact->has_shape(i) && is_at(origin_->scene.capsules[i], anchor)) return true;
-  return false;
+  return any_capsule_at(anchor, [](const Capsule&) { return true; });
 }
 
 bool Step::holds_ground(std::uint32_t anchor) const {
-  if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
-  const std::vector<Capsule>& capsules = origin_->scene.capsules;
-  return std::any_of(capsules.begin(), capsules.end(), [&](const Capsule& each) {
-    return is_at(each, anchor) && is_anchored(origin_->scene, each);
-  });
+  return any_capsule_at(anchor, [&](const Capsule& each) { return is_anchored(breaks_.scene_now(), each); });
+}
+
+/// Returns whether a capsule that is still there is at a particle, and f(capsule) is true.
+template <class F>
+bool Step::any_capsule_at(std::uint32_t particle, F&& f) const {
+  if (!compiled_.contact) return false;
+  const std::vector<Capsule>& capsules = breaks_.scene_now().capsules;
+  for (std::uint32_t i = 0; i < capsules.size(); ++i)
+    if (has_shape(compiled_.contact->number_of({ShapeKind::capsule, i})) && is_at(capsules[i], particle) &&
+        f(capsules[i]))
+      return true;
+  return false;
 }
 
 /// Lets nobody know what is gone any more.

@@ -36,7 +36,7 @@ struct Fallen {
 
 /// Lists what is removed with an island.
 struct Removed {
-  std::vector<std::uint32_t> particles, rods, bends, tackles;
+  std::vector<std::uint32_t> particles, rods, bends, tackles, capsules{};
 };
 
 /// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work

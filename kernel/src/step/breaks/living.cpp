@@ -24,7 +24,8 @@ Scene parts_of(const Scene& scene) {
           .bends = scene.bends,
           .twists = scene.twists,
           .tackles = scene.tackles,
-          .reels = scene.reels};
+          .reels = scene.reels,
+          .capsules = scene.capsules};
 }
 
 }  // namespace
@@ -35,6 +36,7 @@ void Breaks::grow(const Population& to) {
   resize_to(grown_->rods, to.rods.count(), {});
   resize_to(grown_->bends, to.bends.count(), {});
   resize_to(grown_->tackles, to.tackles.count(), {});
+  resize_to(grown_->capsules, to.capsules.count(), {});
   resize_to<std::uint8_t>(fixed_, to.particles.count(), 1);
   for (Ids* const of : {&place_, &whole_}) resize_to(*of, to.particles.count(), none);
   resize_to(out_, to.rods.count(), State::in);
@@ -42,7 +44,7 @@ void Breaks::grow(const Population& to) {
 }
 
 void Breaks::add(const Addition& what) {
-  const auto& [particle0, rod0, bend0, tackle0] = what.first;
+  const auto& [particle0, rod0, bend0, tackle0, capsule0] = what.first;
   const Scene scene = what.scene({}, 0);
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
     grown_->particles[particle0 + i] = scene.particles[i];
@@ -66,6 +68,11 @@ void Breaks::add(const Addition& what) {
   for (std::uint32_t i = 0; i < scene.tackles.size(); ++i) {
     grown_->tackles[tackle0 + i] = scene.tackles[i];
     for (std::uint32_t& particle : grown_->tackles[tackle0 + i].particles) particle += particle0;
+  }
+  for (std::uint32_t i = 0; i < scene.capsules.size(); ++i) {
+    Capsule& capsule = grown_->capsules[capsule0 + i] = scene.capsules[i];
+    for (Point* const end : {&capsule.a, &capsule.b})
+      for (std::uint32_t& particle : end->particles) particle += particle0;
   }
 
   const layouts::Islands islands = find_bent_islands(scene, SceneGraph(scene).view());

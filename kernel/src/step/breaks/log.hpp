@@ -20,13 +20,14 @@ struct Split {
   std::vector<Addition> added{};                ///< one at most
   std::vector<std::uint32_t> removed{};         ///< one particle of an island at most
   std::vector<std::uint32_t> seats{};           ///< numbers of the solvers that were made
+  std::vector<std::uint32_t> islands{};         ///< numbers that the contact solver gave
 
   friend bool operator==(const Split&, const Split&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Split& of) {
-  auto& [rods, edits, positions, velocities, lengths, added, removed, seats] = of;
-  archive(rods, edits, positions, velocities, lengths, added, removed, seats);
+  auto& [rods, edits, positions, velocities, lengths, added, removed, seats, islands] = of;
+  archive(rods, edits, positions, velocities, lengths, added, removed, seats, islands);
 }
 
 /// Lists what a world did to the islands of its scene. Of what was added, and removed again as it was added,

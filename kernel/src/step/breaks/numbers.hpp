@@ -58,14 +58,14 @@ class Numbers {
 
 /// Holds the numbers of all that may be added.
 struct Population {
-  Numbers particles, rods, bends, tackles;
+  Numbers particles, rods, bends, tackles, capsules;
 
   friend bool operator==(const Population&, const Population&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Population& of) {
-  auto& [particles, rods, bends, tackles] = of;
-  archive(particles, rods, bends, tackles);
+  auto& [particles, rods, bends, tackles, capsules] = of;
+  archive(particles, rods, bends, tackles, capsules);
 }
 
 }  // namespace plumb::detail

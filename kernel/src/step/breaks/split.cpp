@@ -140,7 +140,11 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   const std::vector<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
   std::vector<ContactSolver::Made> parts;
-  if (!fallen.parts.empty()) parts = make_parts(fallen);
+  if (!fallen.parts.empty()) {
+    compiled_.contact->numbers().give(now.islands);
+    parts = make_parts(fallen);
+    now.islands = compiled_.contact->numbers().made();
+  }
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});

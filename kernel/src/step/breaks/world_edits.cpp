@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/platforms/anchored.hpp"
 #include "relax/plan.hpp"
 #include "step/world_impl.hpp"
 
@@ -15,7 +16,8 @@ namespace {
 /// Refuses what cannot be added to a world that runs.
 void require_addable(const Scene& scene) {
   const auto require_none = [](const char* what, const auto& list) {
-    if (!list.empty()) refuse(what, " 0: cannot be added to a world; particles, rods, bends and tackles can");
+    if (!list.empty())
+      refuse(what, " 0: cannot be added to a world; particles, rods, bends, tackles and capsules can");
   };
   require_none("twist", scene.twists);
   require_none("reel", scene.reels);
@@ -25,7 +27,6 @@ void require_addable(const Scene& scene) {
   require_none("angle", scene.angles);
   require_none("spring", scene.springs);
   require_none("torsion", scene.torsions);
-  require_none("capsule", scene.capsules);
   require_none("hull", scene.hulls);
   require_none("plane", scene.planes);
   require_none("box", scene.boxes);
@@ -36,6 +37,9 @@ void require_addable(const Scene& scene) {
   require_none("height field", scene.height_fields);
   for (std::size_t i = 0; i < scene.particles.size(); ++i)
     if (scene.particles[i].asleep) refuse("particle ", i, ": sleeps, and what is added to a world is awake");
+  for (std::size_t i = 0; i < scene.capsules.size(); ++i)
+    if (detail::is_anchored(scene, scene.capsules[i]))
+      refuse("capsule ", i, ": nothing movable has it, and ground cannot be added to a world");
   for (std::size_t i = 0; i < scene.rods.size(); ++i)
     if (scene.rods[i].linear_drag != 0 || scene.rods[i].orthogonal_drag != 0)
       refuse("rod ", i, ": is slowed by air, and cannot be added to a world");
@@ -140,6 +144,8 @@ void World::Impl::fit_numbers() {
   const detail::Population& numbers = step->population();
   rods = numbers.rods.count();
   tackles = numbers.tackles.count();
+  of_kind[static_cast<std::size_t>(ShapeKind::capsule)] = numbers.capsules.count();
+  shapes = numbers.capsules.count() + of_kind[static_cast<std::size_t>(ShapeKind::hull)];
   fixed.resize(numbers.particles.count(), 0);
   if (bodies.count() == 0) return;
   positions.resize(fixed.size());
@@ -147,8 +153,8 @@ void World::Impl::fit_numbers() {
 }
 
 Added World::add(const Scene& scene) {
-  require_addable(scene);
   validate(scene);
+  require_addable(scene);
   if (scene.drag != impl_->step->drag())
     refuse("drag: what is added has ", scene.drag, " 1/s, and the world has ", impl_->step->drag());
   if (scene.joint_drag != 0) refuse("joint drag: what is added to a world has no joints");

@@ -54,7 +54,7 @@ std::unique_ptr<Step> Step::changed(const Settings& settings) const {
   require_takeable(out->has_archive(), settings, "the new one");
   if (are_same) {
     Population population = population_;
-    out->relive(log_.splits(), population, static_cast<std::uint32_t>(seats_.size()));
+    out->relive(log_.splits(), population, static_cast<std::uint32_t>(seats_.size()), contact_islands());
     out->copy_state(*this);
   } else {
     out->relive_anew(*this);

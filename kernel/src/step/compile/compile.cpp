@@ -33,12 +33,16 @@ bool has_point_masses(const Scene& scene, std::size_t body) {
   return true;
 }
 
-/// Returns whether anything may touch, or an island may have more than particles and rods.
+/// Returns whether anything may touch, now or once it is added, or an island may have more than particles and
+/// rods.
 bool needs_contact_stage(const Scene& scene) {
+  const bool has_ground = !scene.planes.empty() || !scene.boxes.empty() || !scene.ground_capsules.empty() ||
+                          !scene.ground_hulls.empty() || !scene.meshes.empty() ||
+                          !scene.height_fields.empty();
   const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
                           !scene.angles.empty() || !scene.springs.empty() || !scene.torsions.empty() ||
                           !scene.capsules.empty() || scene.joint_drag != 0;
-  return has_joints ||
+  return has_joints || has_ground ||
          std::any_of(scene.particles.begin(), scene.particles.end(),
                      [](const Particle& particle) { return particle.asleep; }) ||
          std::any_of(scene.rods.begin(), scene.rods.end(),
@@ -74,6 +78,7 @@ class Compiler {
   Compiled make_addition(const Compiled& whole) {
     require_laws_moved();
     require_elements_moved();
+    if (!scene_.capsules.empty()) require_plain_shapes(whole);
     start_ = {.relaxed_rods = whole.info.relaxed_rods, .kinds = whole.kinds};
     return make_from(shares_of(islands_));
   }
@@ -95,6 +100,20 @@ class Compiler {
     }
     start_.projected_velocity = contact_->project_initial_velocities();
     out_.info.direct_gradient = settings_.gradient.value_or(Gradient::old);
+  }
+
+  /// Refuses to add shapes to what cannot go home, or where no contact solver is.
+  void require_plain_shapes(const Compiled& whole) {
+    if (whole.contact == nullptr)
+      refuse("capsule 0: cannot be added, since the world began without ground and shapes");
+    const SceneParts parts(scene_);
+    for (std::uint32_t p = 0; p < parts.count(); ++p) {
+      if (parts.part(p).capsules.empty()) continue;
+      require_no_elements(parts.particles(p));
+      if (!is_plain(parts.part(p)))
+        refuse("particle ", parts.particles(p).front(),
+               ": its island has capsules, and is added to a world with particles and rigid rods alone");
+    }
   }
 
   /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.

@@ -8,27 +8,31 @@
 namespace plumb::detail {
 
 void Step::archive_past(Archive& archive) {
-  auto seats = static_cast<std::uint32_t>(seats_.size());
+  auto seats = static_cast<std::uint32_t>(seats_.size()), islands = contact_islands();
   log_.archive_entries(archive);
-  archive(population_, seats);
+  archive(population_, seats, islands);
 }
 
 std::unique_ptr<Step> Step::restored_past(Archive& archive) {
   std::vector<Split> splits;
   Population population = population_;
-  std::uint32_t seats = 0;
-  archive(splits, population, seats);
-  if (log_.is_of(splits) && population == population_ && seats == seats_.size()) return {};
+  std::uint32_t seats = 0, islands = 0;
+  archive(splits, population, seats, islands);
+  if (log_.is_of(splits) && population == population_ && seats == seats_.size() &&
+      islands == contact_islands())
+    return {};
   auto out = std::make_unique<Step>(origin_->scene, origin_->settings);
-  out->relive(std::move(splits), population, seats);
+  out->relive(std::move(splits), population, seats, islands);
   out->loads_.take_load(loads_);
   out->budget_ = budget_;
   out->zones_ = zones_;
   return out;
 }
 
-/// Does again all that a world of this scene and these settings did, with the seats of its solvers.
-void Step::relive(std::vector<Split> splits, Population& population, std::uint32_t seats) {
+/// Does again all that a world of this scene and these settings did, with the seats of its solvers and the
+/// numbers of contact's islands.
+void Step::relive(std::vector<Split> splits, Population& population, std::uint32_t seats,
+                  std::uint32_t islands) {
   std::swap(population_, population);
   if (!(population_ == population)) {
     breaks_.begin();
@@ -39,6 +43,7 @@ void Step::relive(std::vector<Split> splits, Population& population, std::uint32
   compiled_.solvers.resize(seats);
   anchors_.resize(seats);
   sleep_.exchange(compiled_.solvers, seats_);
+  if (compiled_.contact) compiled_.contact->resize_islands(islands);
 }
 
 /// Lists the rules that a program may change, and tells solvers if they are others than before.
