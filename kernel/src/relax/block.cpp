@@ -143,15 +143,17 @@ void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
   for (std::uint32_t slot = slot0; slot < slot1; ++slot)
     frozen_at[packing_.slot_offset[slot] - first] = frozen_slots_[slot];
   const std::uint32_t lanes = packing_.lanes;
+  const bool is_row = packing_.access == layouts::Access::rows;
   for (std::uint32_t q = q0; q < q1; ++q)
     for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
       const simd::Range r = range(q, stage);
-      for (std::size_t i = std::size_t{r.begin} * lanes; i < std::size_t{r.end} * lanes; ++i) {
-        if (packing_.lane_edge[i] == none || frozen_at[element_of_end(packing_.address_a, i) - first] == 0)
-          continue;
-        switch_off(i);
-        uniform_[q * packing_.stages.size() + stage] = 0;
-      }
+      for (std::size_t i = std::size_t{r.begin} * lanes, v = r.begin; v < r.end; ++v)
+        for (std::uint32_t lane = 0; lane < lanes; ++lane, ++i) {
+          const std::uint32_t at = is_row ? packing_.address_a[v] + lane : packing_.address_a[i];
+          if (packing_.lane_edge[i] == none || frozen_at[at - first] == 0) continue;
+          switch_off(i);
+          uniform_[q * packing_.stages.size() + stage] = 0;
+        }
     }
 }
 
