@@ -136,6 +136,7 @@ Removed Step::take_away(std::uint32_t particle) {
   for (const std::uint32_t number : take_grabs(leaving)) release(number);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
+  compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.islands -= islands;
   std::erase_if(out.particles, [&](std::uint32_t each) {
     return anchors_.is_fixed(each) && (!compiled_.places.of(each).empty() || carries_shape(each));
