@@ -232,6 +232,8 @@ Breaks::Cutout Breaks::cutout() {
     sort_once(*list);
   Scene& scene = out.scene;
   scene.drag = scene_now().drag;
+  scene.particles.reserve(out.particles.size());
+  scene.rods.reserve(out.rods.size());
   for (const std::uint32_t particle : out.particles) {
     place_[particle] = static_cast<std::uint32_t>(scene.particles.size());
     Particle& made = scene.particles.emplace_back(scene_now().particles[particle]);
@@ -317,6 +319,7 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const I
     const std::uint32_t number = spare_whole();
     Whole& whole = wholes_[number];
     const auto list = [](Ids& to, std::span<const std::uint32_t> of_part, const Ids& numbers) {
+      to.reserve(of_part.size());
       for (const std::uint32_t each : of_part) to.push_back(numbers[each]);
     };
     list(whole.particles, islands.vertices(part), of.particles);
@@ -342,13 +345,16 @@ std::uint32_t Breaks::spare_whole() {
 Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Ids& parts) const {
   Fallen out;
   out.touched = from.particles;
+  for (Ids* const list : {&out.leaving, &out.particles}) list->reserve(from.particles.size());
+  out.rods.reserve(from.rods.size());
+  out.scene.particles.reserve(from.particles.size());
+  out.scene.rods.reserve(from.rods.size());
   const auto leaves = [&](std::uint32_t whole) { return whole != none && wholes_[whole].leaves(); };
   for (const std::uint32_t particle : from.particles)
     if (leaves(whole_[particle])) out.leaving.push_back(particle);
-  for (const std::uint32_t rod : from.rods)
-    if (leaves(whole_at(rod))) out.leaving_rods.push_back(rod);
   out.scene.drag = scene_now().drag;
   Ids place(from.particles.size(), none);
+  std::vector<std::uint8_t> is_made(from.rods.size(), 0);
   const IslandElements elements(from.scene, islands);
   for (const std::uint32_t island : parts) {
     for (const std::uint32_t particle : islands.vertices(island)) {
@@ -362,6 +368,7 @@ Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, cons
       made.a = place[made.a];
       made.b = place[made.b];
       out.rods.push_back(from.rods[rod]);
+      is_made[rod] = 1;
     }
     for (const std::uint32_t bend : elements.bends_of(island)) {
       Bend& made = out.scene.bends.emplace_back(from.scene.bends[bend]);
@@ -373,6 +380,8 @@ Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, cons
       out.tackles.push_back(from.tackles[tackle]);
     }
   }
+  for (std::size_t rod = 0; rod < from.rods.size(); ++rod)
+    if (is_made[rod] == 0 && leaves(whole_at(from.rods[rod]))) out.leaving_rods.push_back(from.rods[rod]);
   return out;
 }
 
