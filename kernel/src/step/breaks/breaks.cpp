@@ -207,17 +207,29 @@ void Breaks::edit(const Edits& edits) {
 
 // --- Islands
 
-Breaks::Cutout Breaks::cutout() {
-  Cutout out;
-  for (const std::uint32_t number : touched_) {
+/// Lists what touched islands have, movable particles before fixed ones, which leaves little to sort.
+void Breaks::list_touched(Cutout& out) const {
+  Ids order = touched_;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return wholes_[a].particles.front() < wholes_[b].particles.front();
+  });
+  for (const bool is_fixed : {false, true})
+    for (const std::uint32_t number : order)
+      for (const std::uint32_t particle : wholes_[number].particles)
+        if ((fixed_[particle] != 0) == is_fixed) out.particles.push_back(particle);
+  for (const std::uint32_t number : order) {
     const Whole& whole = wholes_[number];
-    append(out.particles, whole.particles);
     append(out.rods, whole.rods);
     append(out.bends, whole.bends);
     append(out.tackles, whole.tackles);
     append(out.twists, whole.twists);
     append(out.reels, whole.reels);
   }
+}
+
+Breaks::Cutout Breaks::cutout() {
+  Cutout out;
+  list_touched(out);
   const auto add_rod = [&](std::uint32_t rod) {
     if (!joins_ends(rod)) return;
     out.rods.push_back(rod);

@@ -145,6 +145,7 @@ class Breaks {
   void join(const Edits& edits);
   std::pair<double, double>& mass_at(std::uint32_t particle);
   void edit(const Edits& edits);
+  void list_touched(Cutout& out) const;
   Cutout cutout();
   void end_elements(Cutout& of);
   std::vector<std::uint32_t> leaving_parts(const Cutout& of, const layouts::Islands& islands);
