@@ -41,7 +41,7 @@ namespace {
 /// Lists the first places of the particles of a chunk, with their addresses.
 struct Firsts {
   struct First {
-    std::uint32_t solver = Run::nowhere, slot = 0, address = 0;
+    std::uint32_t solver, slot, address;
   };
   std::array<First, Places::chunk_size> all;
   std::uint32_t size;
@@ -83,13 +83,18 @@ void Places::add_run(const Run& run) {
 
 void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers) {
   const std::uint32_t base = chunk * chunk_size;
-  Firsts firsts{{}, std::min(chunk_size, count() - base)};
+  Firsts firsts;  // of which those that there are get numbers
+  firsts.size = std::min(chunk_size, count() - base);
   const std::span<const Place> places = rows_.items();
-  for (std::uint32_t i = 0; i < firsts.size; ++i)
-    if (const auto& range = rows_.range(base + i); range.count > 0) {
+  for (std::uint32_t i = 0; i < firsts.size; ++i) {
+    const auto& range = rows_.range(base + i);
+    if (range.count == 0) {
+      firsts.all[i] = {Run::nowhere, 0, 0};
+    } else {
       const auto [solver, slot] = places[range.begin];
       firsts.all[i] = {solver, slot, solvers[solver]->address(slot)};
     }
+  }
   found_.clear();
   for (std::uint32_t i = 0, next = 0; i < firsts.size; i = next) {
     const std::uint32_t in_turn = firsts.length(i, 1), by_two = in_turn < 4 ? firsts.length(i, 2) : 0;
