@@ -32,6 +32,7 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
 template <class T>
 std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) const {
   std::vector<std::uint32_t> seen;
+  seen.reserve((end - begin) * std::size_t{packing_.lanes});
   for (std::size_t i = std::size_t{begin} * packing_.lanes; i < std::size_t{end} * packing_.lanes; ++i)
     if (packing_.lane_edge[i] != none) seen.push_back(packing_.lane_edge[i]);
   std::sort(seen.begin(), seen.end());

@@ -84,6 +84,7 @@ void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_pt
        plan_blocks(sets, rules->settings.layout, common_rods(scene, rules->constants), layouts::lane_width<T>,
                    sizeof(T))) {
     MadeSolver& made = out.emplace_back();
+    made.places.reserve(packing.slot_vertex.size());
     for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot)
       made.places.push_back({packing.slot_vertex[slot], slot});
     const bool may_break =
