@@ -1,11 +1,12 @@
-// bench_edits measures what it costs to add a rope to a world of many, to remove one, to cut one and to join
-// two. Frames go on between the edits, as they do in a game, and edits without frames show what cold caches
-// cost.
+// bench_edits measures what it costs to add a rope to a world of many, to remove one, to cut one or a tenth
+// of them at once, and to join two. Frames go on between the edits, as they do in a game, and edits without
+// frames show what cold caches cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "plumb/world.hpp"
@@ -26,16 +27,23 @@ void append_rope(Scene& scene, double x) {
   }
 }
 
+using Clock = std::chrono::steady_clock;
+
+/// Returns how long ago that was, in us.
+double us_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
+
 /// Collects times of one kind of edit, in us.
 class Times {
  public:
   template <class F>
   void time(F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     f();
-    times_.push_back(
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+    add(us_since(begin));
   }
+  void add(double us) { times_.push_back(us); }
   /// Writes a row: the first time, and the least and the median of the others.
   void say(const std::string& what) {
     std::vector<double> later(times_.begin() + 1, times_.end());
@@ -65,24 +73,46 @@ void add_and_remove(World& world, bool has_frames, const std::string& name) {
   removals.say(name + "remove" + how);
 }
 
+/// Cuts ropes in their middles, so many before every frame, as often as said. No rope is cut twice.
+void cut_ropes(World& world, std::uint32_t ropes, std::uint32_t at_once, std::uint32_t often,
+               const std::string& name) {
+  Times orders, frames, splits;
+  Clock::time_point begin;
+  world.set_zones([&](std::string_view stage, bool begins) {
+    if (stage != "split") return;
+    if (begins)
+      begin = Clock::now();
+    else
+      splits.add(us_since(begin));
+  });
+  for (std::uint32_t i = 0; i < often; ++i) {
+    orders.time([&] {
+      for (std::uint32_t k = 0; k < at_once; ++k)
+        world.cut(rods * ((k * often + i) * (ropes / (at_once * often))) + rods / 2);
+    });
+    frames.time([&] { world.step(frame); });
+  }
+  world.set_zones({});
+  const std::string cuts = at_once > 1 ? std::to_string(at_once) + " cuts" : "a cut";
+  orders.say(name + "order " + cuts);
+  frames.say(name + "frame with " + cuts);
+  splits.say(name + "of which " + cuts + " took");
+}
+
 void measure(Method method, std::uint32_t ropes) {
   Scene scene;
   for (std::uint32_t i = 0; i < ropes; ++i) append_rope(scene, i);
   const Settings settings{.method = method, .threads = 1};
   const std::string name = std::to_string(ropes) + " ropes, " + std::string(to_string(method)) + ": ";
-  World world(scene, settings), other(scene, settings);
-  Times frames, orders, cut_frames, joins, join_frames;
-  for (World* const each : {&world, &other}) each->step(frame);
+  World world(scene, settings), other(scene, settings), third(scene, settings);
+  Times frames, joins, join_frames;
+  for (World* const each : {&world, &other, &third}) each->step(frame);
   for (int i = 0; i < 200; ++i) frames.time([&] { world.step(frame); });
   frames.say(name + "frame");
   add_and_remove(world, true, name);
   add_and_remove(world, false, name);
-  for (std::uint32_t i = 0; i < 20; ++i) {
-    orders.time([&] { other.cut(rods * (i * ropes / 20) + rods / 2); });
-    cut_frames.time([&] { other.step(frame); });
-  }
-  orders.say(name + "order a cut");
-  cut_frames.say(name + "frame with a cut");
+  cut_ropes(other, ropes, 1, 20, name);
+  cut_ropes(third, ropes, ropes / 10, 5, name);
   for (std::uint32_t i = 0; i < 20; ++i) {
     const std::uint32_t tip = (rods + 1) * (i * ropes / 20 + 1) - 1;
     joins.time([&] { world.join({.a = tip, .b = tip + rods + 1}); });

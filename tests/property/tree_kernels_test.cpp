@@ -389,8 +389,10 @@ std::vector<double> outcome(Midst<T>& midst, std::uint32_t lane) {
   take(midst.state.x);
   for (const auto* field :
        {&midst.state.u, &midst.state.acceleration, &midst.state.acceleration_before, &midst.state.mu,
-        &midst.state.tie_mu, &midst.state.mu_before, &midst.state.tie_mu_before, &midst.work.delta,
-        &midst.work.load, &midst.work.change, &midst.work.push, &midst.work.jolt, &midst.work.stiffness})
+        &midst.state.tie_mu, &midst.state.mu_before, &midst.state.tie_mu_before})
+    take(*field);
+  for (const auto* field : {&midst.work.delta, &midst.work.load, &midst.work.change, &midst.work.push,
+                            &midst.work.jolt, &midst.work.stiffness})
     take(*field);
   return numbers;
 }

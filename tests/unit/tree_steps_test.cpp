@@ -116,6 +116,26 @@ TEST(TreeKind, KnowsWhatItsSubstepsEstimate) {
   EXPECT_TRUE(kind.calm_stepper.has_value());
 }
 
+// More trees than are remembered come and come again, and all are as layouts::find_tree() finds them.
+TEST(TreeKinds, RememberTreesAsTheyAreFound) {
+  TreeKinds kinds;
+  for (int turn = 0; turn < 2; ++turn)
+    for (std::uint32_t rods = 1; rods < 100; ++rods) {
+      const test::IslandsOf of(scenes::make_chain(rods));
+      const layouts::LocalGraph island = of.local(0);
+      const auto tree = kinds.tree_of(island);
+      EXPECT_EQ(kinds.tree_of(island), tree) << rods;
+      const layouts::Tree found = of.tree(0);
+      EXPECT_EQ(tree->vertex, found.vertex) << rods;
+      EXPECT_EQ(tree->parent, found.parent) << rods;
+      EXPECT_EQ(tree->edge, found.edge) << rods;
+      EXPECT_EQ(tree->tie_begin, found.tie_begin) << rods;
+      EXPECT_EQ(tree->ties.size(), found.ties.size()) << rods;
+    }
+  const std::vector<layouts::Edge> ring{{0, 1}, {1, 2}, {2, 0}};
+  for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(kinds.tree_of({ring, {1, 1, 1}}), nullptr);
+}
+
 // Nodes go to lanes in order, all but the last full, and what is cut and gathered again is the line.
 TEST(LineSegments, CutAndGatherIsTheLine) {
   const std::uint32_t lanes = layouts::lane_width<double>, nodes = 45;

@@ -99,7 +99,7 @@ class Maker {
       for (const auto& [elements, islands] : others) add_with_elements(islands, elements);
       if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
-      const auto tree = layouts::find_tree(local.view());
+      const auto tree = report_.kinds->tree_of(local);
       if (tree && tree->ties.size() > 1) add_locked(equal, local.view());
       if (equal.empty()) continue;
       if (!tree || is_held_below_root(*tree))
@@ -243,6 +243,8 @@ class Maker {
       solver->fill_twist(lane, bends_, sets_.elements.twists_of(equal[std::min(lane, trees - 1)]).front());
     solver->finish_layout();
     MadeSolver made;
+    made.places.reserve(std::size_t{trees} * (kind->topology->nodes + kind->topology->ties));
+    made.cords.reserve(std::size_t{trees} * kind->topology->rods());
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       const auto vertices = members_of(lane).vertices;
       const auto rods = members_of(lane).edges;

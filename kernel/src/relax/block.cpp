@@ -32,6 +32,7 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
 template <class T>
 std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) const {
   std::vector<std::uint32_t> seen;
+  seen.reserve((end - begin) * std::size_t{packing_.lanes});
   for (std::size_t i = std::size_t{begin} * packing_.lanes; i < std::size_t{end} * packing_.lanes; ++i)
     if (packing_.lane_edge[i] != none) seen.push_back(packing_.lane_edge[i]);
   std::sort(seen.begin(), seen.end());
@@ -136,17 +137,25 @@ std::uint32_t Block<T>::element_of_end(const std::vector<std::uint32_t>& address
 
 template <class T>
 void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
-  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const bool is_apart = packing_.coupling == layouts::Coupling::independent;
+  const std::uint32_t first = is_apart ? q0 * packing_.position_elements : 0,
+                      end = is_apart ? q1 * packing_.position_elements : packing_.elements;
+  std::vector<std::uint8_t> frozen_at(end - first, 0);
+  const auto [slot0, slot1] = slots_in(q0, q1);
+  for (std::uint32_t slot = slot0; slot < slot1; ++slot)
+    frozen_at[packing_.slot_offset[slot] - first] = frozen_slots_[slot];
   const std::uint32_t lanes = packing_.lanes;
+  const bool is_row = packing_.access == layouts::Access::rows;
   for (std::uint32_t q = q0; q < q1; ++q)
     for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
       const simd::Range r = range(q, stage);
-      for (std::size_t i = std::size_t{r.begin} * lanes; i < std::size_t{r.end} * lanes; ++i) {
-        if (packing_.lane_edge[i] == none || !is_frozen(slot_at[element_of_end(packing_.address_a, i)]))
-          continue;
-        switch_off(i);
-        uniform_[q * packing_.stages.size() + stage] = 0;
-      }
+      for (std::size_t i = std::size_t{r.begin} * lanes, v = r.begin; v < r.end; ++v)
+        for (std::uint32_t lane = 0; lane < lanes; ++lane, ++i) {
+          const std::uint32_t at = is_row ? packing_.address_a[v] + lane : packing_.address_a[i];
+          if (packing_.lane_edge[i] == none || frozen_at[at - first] == 0) continue;
+          switch_off(i);
+          uniform_[q * packing_.stages.size() + stage] = 0;
+        }
     }
 }
 
@@ -250,13 +259,16 @@ void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const 
 }
 
 template <class T>
-void Block<T>::freeze_island(std::uint32_t island) {
-  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
-    if (packing_.slot_island[slot] != island) continue;
+void Block<T>::freeze_island(std::uint32_t of) {
+  const bool is_apart = packing_.coupling == layouts::Coupling::independent;
+  const std::uint32_t q0 = position_of(of), q1 = is_apart ? q0 + 1 : packing_.positions;
+  const auto [slot0, slot1] = slots_in(q0, q1);
+  for (std::uint32_t slot = slot0; slot < slot1; ++slot) {
+    if (packing_.slot_island[slot] != packing_.slot_island[of]) continue;
     for (T* field : {displacement(0), displacement(1), kick()}) write(field, slot, {});
     frozen_slots_[slot] = 1;
   }
-  retire_frozen_rods(0, packing_.positions);
+  retire_frozen_rods(q0, q1);
 }
 
 template <class T>

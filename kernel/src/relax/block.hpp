@@ -168,8 +168,9 @@ class Block {
   /// from now on. Returns how many there were. It allocates, and ends the program if it cannot. It looks only
   /// at slots with numbers in positions [q0, q1).
   std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
-  /// Lets an island stand still for good, at no cost for its rods.
-  void freeze_island(std::uint32_t island);
+  /// Lets the island of a slot stand still for good, at no cost for its rods. Where positions are independent
+  /// this looks at one of them alone.
+  void freeze_island(std::uint32_t of);
   bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
   /// Returns the position that a slot lies in, or 0 if positions depend on each other.
   std::uint32_t position_of(std::uint32_t slot) const {
@@ -204,6 +205,14 @@ class Block {
   /// Lets the range of a lane be visited with the weights of each rod.
   void tell_apart(std::size_t lane);
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
+  /// Returns the first slot of positions [q0, q1), and the one after their last. Independent ones lie one
+  /// after the other and have as many slots each. Others share all.
+  std::pair<std::uint32_t, std::uint32_t> slots_in(std::uint32_t q0, std::uint32_t q1) const {
+    const auto all = static_cast<std::uint32_t>(packing_.slot_offset.size());
+    if (packing_.coupling != layouts::Coupling::independent) return {0, all};
+    const std::uint32_t each = all / packing_.positions;
+    return {q0 * each, q1 * each};
+  }
   std::vector<std::uint32_t> slots_by_element() const;
   std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
   /// Turns the lanes of frozen islands' rods into padding, so that they are neither moved nor looked at

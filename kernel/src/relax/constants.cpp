@@ -6,6 +6,8 @@ namespace plumb::detail {
 
 Constants make_constants(const Scene& scene) {
   Constants constants;
+  constants.length2.reserve(scene.rods.size());
+  constants.inverse_mass.reserve(scene.particles.size());
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
     const double length = rod_length(scene, i);
     constants.length2.push_back(length * length);

@@ -84,6 +84,7 @@ void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_pt
        plan_blocks(sets, rules->settings.layout, common_rods(scene, rules->constants), layouts::lane_width<T>,
                    sizeof(T))) {
     MadeSolver& made = out.emplace_back();
+    made.places.reserve(packing.slot_vertex.size());
     for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot)
       made.places.push_back({packing.slot_vertex[slot], slot});
     for (Slot lane = 0; lane < packing.lane_edge.size(); ++lane)
@@ -114,17 +115,20 @@ std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets&
   rules->constants = make_constants(scene);
   rules->shared_rods = thresholds_of(settings.executor).rods;
   rules->initial_velocities.resize(scene.particles.size());
-  const std::vector<std::uint32_t> rods = relaxed_rods(sets);
-  rules->relaxed_rods = std::max(report.relaxed_rods, static_cast<std::uint32_t>(rods.size()));
+  std::size_t rods = 0;
+  for (const auto& set : sets.sets)
+    for (const std::uint32_t island : set) rods += sets.islands.edges(island).size();
+  rules->relaxed_rods = std::max(report.relaxed_rods, static_cast<std::uint32_t>(rods));
   for (const auto& set : sets.sets)
     for (const std::uint32_t island : set)
       for (const std::uint32_t particle : sets.islands.vertices(island))
         if (!scene.particles[particle].fixed)
           rules->initial_velocities[particle] = scene.particles[particle].velocity;
   if (!report.goes_on)
-    report.projected_velocity = std::max(
-        report.projected_velocity, project_velocities(rigid_part(scene, rods), rules->constants.inverse_mass,
-                                                      rules->initial_velocities));
+    report.projected_velocity =
+        std::max(report.projected_velocity,
+                 project_velocities(rigid_part(scene, relaxed_rods(sets)), rules->constants.inverse_mass,
+                                    rules->initial_velocities));
   if (settings.precision == Precision::single) return make_blocks<float>(scene, sets, rules);
   return make_blocks<double>(scene, sets, rules);
 }

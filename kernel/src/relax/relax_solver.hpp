@@ -83,7 +83,7 @@ class RelaxSolver final : public Solver {
   /// Rods that sweeps left off their lengths do not start there.
   void go_on(Slot, double) override { starts_off_length_ = false; }
   void remove(Slot slot) override {
-    block_.freeze_island(island_of(slot));
+    block_.freeze_island(slot);
     --islands_[piece_of(slot)];
   }
   void set_away(Slot slot, bool away) override;

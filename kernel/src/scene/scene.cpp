@@ -148,7 +148,8 @@ double rod_length(const Scene& scene, std::size_t i) {
 
 RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model) {
   const Rod& rod = scene.rods[i];
-  const double first = rod.mass * rod.center;  // the integral of s over the mass, s from 0 at a to 1 at b
+  if (rod.mass == 0 && !rod.inertia) return {};  // a rod's length may take a root
+  const double first = rod.mass * rod.center;    // the integral of s over the mass, s from 0 at a to 1 at b
   if (model == MassModel::lumped) return {.aa = rod.mass - first, .ab = 0, .bb = first};
   const double length = rod_length(scene, i);
   const double about_center = rod.inertia ? *rod.inertia / (length * length) : rod.mass / 12;

@@ -11,17 +11,11 @@ Places::Places(std::uint32_t particles, std::span<const Entry> entries) : rows_(
     several_ += of(particle).size() > 1 ? 1 : 0;
 }
 
-void Places::count_uses(std::span<const Place> places, std::int32_t change) {
-  for (const Place& place : places) {
-    if (place.solver >= uses_.size()) uses_.resize(place.solver + std::size_t{1});
-    uses_[place.solver] += static_cast<std::uint32_t>(change);
-  }
-}
-
 void Places::replace(std::uint32_t particle, std::span<const Place> by) {
-  count_uses(of(particle), -1);
+  const std::span<const Place> before = of(particle);
+  count_uses(before, -1);
   count_uses(by, 1);
-  several_ -= of(particle).size() > 1 ? 1 : 0;
+  several_ -= before.size() > 1 ? 1 : 0;
   several_ += by.size() > 1 ? 1 : 0;
   rows_.replace(particle, by);
   make_stale(particle / chunk_size);
@@ -30,10 +24,6 @@ void Places::replace(std::uint32_t particle, std::span<const Place> by) {
 void Places::grow(std::uint32_t particles) {
   if (particles > count()) make_stale(count() / chunk_size);
   rows_.grow(particles);
-}
-
-void Places::make_stale(std::uint32_t chunk) {
-  if (chunk < runs_.count() && (stale_.empty() || stale_.back() != chunk)) stale_.push_back(chunk);
 }
 
 void Places::find_runs(std::span<const std::unique_ptr<Solver>> solvers) {
@@ -51,24 +41,25 @@ namespace {
 /// Lists the first places of the particles of a chunk, with their addresses.
 struct Firsts {
   struct First {
-    std::uint32_t solver = Run::nowhere, slot = 0, address = 0;
+    std::uint32_t solver, slot, address;
   };
   std::array<First, Places::chunk_size> all;
   std::uint32_t size;
 
-  /// Returns how many from `i` on are of one solver, in places evenly apart. With `every` 2 those of the odd
-  /// ones and those of the even ones are.
-  std::uint32_t length(std::uint32_t i, std::uint32_t every) const {
-    const auto goes_on = [&](std::uint32_t k) {
-      if (all[k].solver != all[i].solver) return false;
-      if (k < i + 2 * every) return true;
-      const First &last = all[k], &middle = all[k - every], &first = all[k - 2 * every];
-      return last.slot - middle.slot == middle.slot - first.slot &&
-             last.address - middle.address == middle.address - first.address;
+  /// Returns how many from `i` on are of one solver, in places evenly apart, or `most` if there are more.
+  /// With `every` 2 those of the odd ones and those of the even ones are.
+  std::uint32_t length(std::uint32_t i, std::uint32_t every, std::uint32_t most = Places::chunk_size) const {
+    const std::uint32_t solver = all[i].solver, end = std::min(size, i + std::min(most, size));
+    std::uint32_t k = i + 1;
+    for (const std::uint32_t two = std::min(end, i + 2 * every); k < two && all[k].solver == solver;) ++k;
+    if (k < i + 2 * every) return k - i;
+    const auto goes_on = [&](const First* of) {
+      const First &last = of[0], &middle = *(of - every), &first = *(of - 2 * every);
+      return last.solver == solver && last.slot + first.slot == 2 * middle.slot &&
+             last.address + first.address == 2 * middle.address;
     };
-    std::uint32_t end = i + 1;
-    while (end < size && goes_on(end)) ++end;
-    return end - i;
+    while (k < end && goes_on(&all[k])) ++k;
+    return k - i;
   }
   /// Returns `count` of them from `i` on, where the first of all is particle `base`.
   Run run(std::uint32_t base, std::uint32_t i, std::uint32_t every, std::uint32_t count) const {
@@ -92,12 +83,18 @@ void Places::add_run(const Run& run) {
 
 void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers) {
   const std::uint32_t base = chunk * chunk_size;
-  Firsts firsts{{}, std::min(chunk_size, count() - base)};
-  for (std::uint32_t i = 0; i < firsts.size; ++i)
-    if (const std::span<const Place> places = of(base + i); !places.empty()) {
-      const auto [solver, slot] = places.front();
+  Firsts firsts;  // of which those that there are get numbers
+  firsts.size = std::min(chunk_size, count() - base);
+  const std::span<const Place> places = rows_.items();
+  for (std::uint32_t i = 0; i < firsts.size; ++i) {
+    const auto& range = rows_.range(base + i);
+    if (range.count == 0) {
+      firsts.all[i] = {Run::nowhere, 0, 0};
+    } else {
+      const auto [solver, slot] = places[range.begin];
       firsts.all[i] = {solver, slot, solvers[solver]->address(slot)};
     }
+  }
   found_.clear();
   for (std::uint32_t i = 0, next = 0; i < firsts.size; i = next) {
     const std::uint32_t in_turn = firsts.length(i, 1), by_two = in_turn < 4 ? firsts.length(i, 2) : 0;
@@ -107,7 +104,7 @@ void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<S
       next = i + by_two;
     } else {
       // The first of two may be an anchor, which lies elsewhere, and the second one of many.
-      const bool is_apart = in_turn == 2 && firsts.length(i + 1, 1) > 2;
+      const bool is_apart = in_turn == 2 && firsts.length(i + 1, 1, 3) > 2;
       next = i + (is_apart ? 1 : in_turn);
       add_run(firsts.run(base, i, 1, next - i));
     }

@@ -79,8 +79,15 @@ class Places {
 
  private:
   void add_run(const Run& run);
-  void make_stale(std::uint32_t chunk);
-  void count_uses(std::span<const Place> places, std::int32_t change);
+  void make_stale(std::uint32_t chunk) {
+    if (chunk < runs_.count() && (stale_.empty() || stale_.back() != chunk)) stale_.push_back(chunk);
+  }
+  void count_uses(std::span<const Place> places, std::int32_t change) {
+    for (const Place& place : places) {
+      if (place.solver >= uses_.size()) uses_.resize(place.solver + std::size_t{1});
+      uses_[place.solver] += static_cast<std::uint32_t>(change);
+    }
+  }
   void find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers);
 
   Rows<Place> rows_;                  ///< by particle

@@ -133,8 +133,7 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
 }
 
 template <class T>
-void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>& whole,
-                                 layouts::AlignedBuffer<T>& segments) const {
+void LineSegments::scatter_nodes(std::span<T> whole, layouts::AlignedBuffer<T>& segments) const {
   for_numbers(3, [&](std::size_t from, std::size_t to) { segments[to] = whole[from]; });
 }
 
@@ -170,14 +169,13 @@ void LineSegments::join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>
   }
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                              \
-  template TreeState<T> LineSegments::cut(const TreeState<T>&) const;                                     \
-  template void LineSegments::gather(const TreeState<T>&, TreeState<T>&) const;                           \
-  template void LineSegments::scatter(const TreeState<T>&, TreeState<T>&) const;                          \
-  template void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>&, layouts::AlignedBuffer<T>&) \
-      const;                                                                                              \
-  template void LineSegments::link(TreeState<T>&) const;                                                  \
-  template void LineSegments::trim(TreeWorkspace<T>&) const;                                              \
+#define PLUMB_INSTANTIATE(T)                                                                 \
+  template TreeState<T> LineSegments::cut(const TreeState<T>&) const;                        \
+  template void LineSegments::gather(const TreeState<T>&, TreeState<T>&) const;              \
+  template void LineSegments::scatter(const TreeState<T>&, TreeState<T>&) const;             \
+  template void LineSegments::scatter_nodes(std::span<T>, layouts::AlignedBuffer<T>&) const; \
+  template void LineSegments::link(TreeState<T>&) const;                                     \
+  template void LineSegments::trim(TreeWorkspace<T>&) const;                                 \
   template void LineSegments::join_stiffness(const TreeState<T>&, TreeWorkspace<T>&) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

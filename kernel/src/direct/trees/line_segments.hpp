@@ -31,7 +31,7 @@ class LineSegments {
   void scatter(const TreeState<T>& whole, TreeState<T>& segments) const;
   /// Copies three numbers per node.
   template <class T>
-  void scatter_nodes(const layouts::AlignedBuffer<T>& whole, layouts::AlignedBuffer<T>& segments) const;
+  void scatter_nodes(std::span<T> whole, layouts::AlignedBuffer<T>& segments) const;
 
   /// link() comes before prepare. It puts the beginning of every lane's first rod, the last node of the lane
   /// before, where its tie is. trim() comes after it and takes away rods beyond the end of the line.

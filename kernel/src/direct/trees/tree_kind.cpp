@@ -7,6 +7,20 @@
 namespace plumb::detail {
 namespace {
 
+/// So many trees are remembered, of islands of no more vertices than this: less than 1 MB.
+constexpr std::size_t most_trees = 64, most_vertices = 256;
+
+std::uint64_t hash_of(const layouts::LocalGraph& island) {
+  std::uint64_t hash = island.movable.size();
+  for (const auto [a, b] : island.edges) hash = (hash ^ (std::uint64_t{a} << 32 | b)) * 0x9e3779b97f4a7c15u;
+  return hash;
+}
+
+std::shared_ptr<const layouts::Tree> find_tree(const layouts::LocalGraph& island) {
+  auto tree = layouts::find_tree(island.view());
+  return tree ? std::make_shared<const layouts::Tree>(std::move(*tree)) : nullptr;
+}
+
 std::uint64_t hash_of(const layouts::Tree& tree) {
   StateHash hash;
   for (const std::uint32_t each : tree.parent) hash.add(each);
@@ -39,6 +53,15 @@ TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rule
                      ElasticTree<T>(topology, rules.gradient, rules.drag, rules.isa)});
   for (auto& crew : crews)
     if (bounded) crew.elastic.bound_frames();
+}
+
+std::shared_ptr<const layouts::Tree> TreeKinds::tree_of(const layouts::LocalGraph& island) {
+  if (island.movable.size() > most_vertices) return find_tree(island);
+  const std::uint64_t hash = hash_of(island);
+  for (auto [each, end] = trees_.equal_range(hash); each != end; ++each)
+    if (each->second.island == island) return each->second.tree;
+  if (trees_.size() >= most_trees) trees_.clear();
+  return trees_.emplace(hash, KnownTree{island, find_tree(island)})->second.tree;
 }
 
 template <class T>

@@ -10,6 +10,7 @@
 
 #include "direct/attempts/elastic_tree.hpp"
 #include "direct/trees/tree_stepper.hpp"
+#include "plumb/layouts/islands.hpp"
 
 namespace plumb::detail {
 
@@ -62,6 +63,9 @@ extern template struct TreeKind<double>;
 /// That stays in the cache from one to the next.
 class TreeKinds {
  public:
+  /// Returns layouts::find_tree() of an island, or null. It remembers small ones, since pieces of ropes that
+  /// are cut come again and again, and finding a tree takes a tenth of a cut.
+  std::shared_ptr<const layouts::Tree> tree_of(const layouts::LocalGraph& island);
   /// Returns a kind that a solver has, or a new one.
   template <class T>
   std::shared_ptr<TreeKind<T>> get(const layouts::Tree& tree, std::uint32_t lanes,
@@ -74,7 +78,12 @@ class TreeKinds {
     std::multimap<std::uint64_t, std::weak_ptr<TreeKind<T>>> kinds;
     std::size_t full = 16;  ///< With so many, those that nobody has are looked for.
   };
+  struct KnownTree {
+    layouts::LocalGraph island;
+    std::shared_ptr<const layouts::Tree> tree;
+  };
   std::tuple<Known<float>, Known<double>> known_;
+  std::multimap<std::uint64_t, KnownTree> trees_;  ///< by a hash of their islands
 };
 
 }  // namespace plumb::detail

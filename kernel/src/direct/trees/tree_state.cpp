@@ -106,10 +106,16 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
 template <class T>
 struct TreeState<T>::Masses {
   Masses(std::size_t nodes, std::size_t ties)
-      : mass(nodes), least(nodes), first_moment(nodes), coupling(nodes), tie_coupling(ties) {}
+      : all(4 * nodes + ties),
+        mass(std::span(all).first(nodes)),
+        least(std::span(all).subspan(nodes, nodes)),
+        first_moment(std::span(all).subspan(2 * nodes, nodes)),
+        coupling(std::span(all).subspan(3 * nodes, nodes)),
+        tie_coupling(std::span(all).last(ties)) {}
 
-  std::vector<double> mass, least, first_moment, coupling;
-  std::vector<double> tie_coupling;  ///< It is by tie.
+  std::vector<double> all;  ///< of which the others are parts
+  std::span<double> mass, least, first_moment, coupling;
+  std::span<double> tie_coupling;  ///< It is by tie.
 };
 
 template <class T>
@@ -125,8 +131,12 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   const std::uint32_t nodes = tree.nodes();
   Masses masses(nodes, tree.ties.size());
   // These have names of their own, since clang 14 lets no lambda take bindings.
-  std::vector<double>&mass = masses.mass, &least = masses.least, &first_moment = masses.first_moment;
-  std::vector<double>&coupling = masses.coupling, &tie_coupling = masses.tie_coupling;
+  const std::span<double> mass = masses.mass, least = masses.least, first_moment = masses.first_moment;
+  const std::span<double> coupling = masses.coupling, tie_coupling = masses.tie_coupling;
+  const auto square = [&](std::uint32_t e) {
+    const double length = rod_length(scene, members.edges[e]);
+    return length * length;
+  };
   // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
   const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
                            bool other_moves) {
@@ -139,7 +149,6 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     masses.least[i] += other_moves && m.ab != 0 ? own - std::abs(m.ab) * std::sqrt(own / other) : own;
     masses.first_moment[i] += own + m.ab;
     couples = m.ab;
-    return rod_length(scene, rod) * rod_length(scene, rod);
   };
   for (std::uint32_t i = 0; i < nodes; ++i) {
     const Particle& particle = scene.particles[members.vertices[tree.vertex[i]]];
@@ -148,12 +157,14 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     least[i] += particle.mass;
     first_moment[i] += particle.mass;
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
-      tie_length2[at(k, lane)] = add_rod(tree.ties[k].edge, tree.vertex[i], i, tie_coupling[k], false);
+      add_rod(tree.ties[k].edge, tree.vertex[i], i, tie_coupling[k], false);
+      tie_length2[at(k, lane)] = square(tree.ties[k].edge);
       put(tie_x, 3 * k, lane, scene.particles[members.vertices[tree.ties[k].vertex]].position);
     }
     if (i == 0) continue;
     const std::uint32_t p = tree.parent[i];
-    length2[at(i, lane)] = add_rod(tree.edge[i], tree.vertex[i], i, coupling[i], true);
+    add_rod(tree.edge[i], tree.vertex[i], i, coupling[i], true);
+    length2[at(i, lane)] = square(tree.edge[i]);
     double same;
     add_rod(tree.edge[i], tree.vertex[p], p, same, true);
   }
@@ -203,7 +214,7 @@ void TreeState<T>::fill_laws(std::uint32_t lane, const Scene& scene, const layou
 /// Writes the numbers of a lane that follow from its masses, which are stored relative to their mean.
 template <class T>
 void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity) {
-  const auto& [mass, least, first_moment, coupling, tie_coupling] = masses;
+  const auto& [all, mass, least, first_moment, coupling, tie_coupling] = masses;
   const std::uint32_t nodes = topology->nodes;
   double total = 0;
   for (const double m : first_moment) total += m;
@@ -280,13 +291,13 @@ void TreeState<T>::displace(std::uint32_t number, std::uint32_t lane, double h) 
 }
 
 template <class T>
-void TreeState<T>::set_velocities(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
+void TreeState<T>::set_velocities(std::uint32_t lane, std::span<const T> velocity) {
   for (std::size_t i = lane; i < u.size(); i += lanes) u[i] = velocity[i];
   u_step[lane] = 0;
 }
 
 template <class T>
-void TreeState<T>::restart(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
+void TreeState<T>::restart(std::uint32_t lane, std::span<const T> velocity) {
   set_velocities(lane, velocity);
   known[lane] = 0;
   smooth[lane] = 0;

@@ -55,9 +55,9 @@ struct TreeState {
   void copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane);
 
   /// Makes u of a lane velocities, m/s, of every node.
-  void set_velocities(std::uint32_t lane, const layouts::AlignedBuffer<T>& velocity);
+  void set_velocities(std::uint32_t lane, std::span<const T> velocity);
   /// Does the same, and forgets accelerations, which the next steps would start from.
-  void restart(std::uint32_t lane, const layouts::AlignedBuffer<T>& velocity);
+  void restart(std::uint32_t lane, std::span<const T> velocity);
 
   /// Takes over what a substep changes from another state of the same trees.
   void copy_motion(const TreeState& from);
@@ -191,11 +191,15 @@ struct TreeWorkspace {
   void add_bends(TreeState<T>& state, simd::TreeView<T>& to);
   void add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties, simd::TreeView<T>& to);
 
-  layouts::AlignedBuffer<T> blow, tie_blow;  ///< They are multipliers of a projection, per rod.
-  layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
-      change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
-      u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start, bend_start, bend_rate,
-      bent_elimination, clamp_rod, twist_stiffness, twist_start, torque, twist_turn, torque_elimination;
+  layouts::AlignedBuffer<T> memory;  ///< It is one, since each would take as long to make as what it holds.
+  // These are parts of it:
+  std::span<T> blow, tie_blow;  ///< They are multipliers of a projection, per rod.
+  std::span<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active, change,
+      stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta, u_before,
+      inverse_kick, push, jolt, bend_start, bend_rate, bent_elimination, clamp_rod, twist_stiffness,
+      twist_start, torque, twist_turn, torque_elimination;
+  layouts::AlignedBuffer<T> projection_factors, law_start,
+      tie_law_start;              ///< Only trees with laws have them.
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool is_line = false;  ///< Multipliers alone are solved for. Others guess displacements from accelerations.

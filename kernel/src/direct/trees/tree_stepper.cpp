@@ -334,7 +334,7 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
   TreeWorkspace<T>& work = crew.work;
   TreeState<T>& alone = crew.alone;
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
-  const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
+  const auto total = [&](std::span<const T> lanes) {
     double sum = 0;
     for (std::uint32_t lane = 0; lane < state.lanes; ++lane) sum += static_cast<double>(lanes[lane]);
     return sum;

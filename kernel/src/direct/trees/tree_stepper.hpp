@@ -151,7 +151,7 @@ class TreeStepper {
   /// Takes what was projected, in lanes where it is not many times what was given. Rods that are nearly
   /// straight between anchors have no sound projection.
   void take_sound(const TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work,
-                  layouts::AlignedBuffer<T>& to) const;
+                  std::span<T> to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;

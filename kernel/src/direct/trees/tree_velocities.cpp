@@ -41,7 +41,7 @@ void TreeStepper<T>::project(TreeState<T>& state, const Drive& drive, TreeWorksp
 
 template <class T>
 void TreeStepper<T>::take_sound(const TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work,
-                                layouts::AlignedBuffer<T>& to) const {
+                                std::span<T> to) const {
   for (std::size_t lane = 0; lane < state.lanes; ++lane) {
     double projected = 0, given = 0;
     for (std::size_t i = lane; i < to.size(); i += state.lanes) {
@@ -80,8 +80,7 @@ bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work, double share = 1)
   if (!state.laws.cables) return false;
   const std::size_t lanes = state.lanes;
   bool any = false;
-  const auto look = [&](const layouts::AlignedBuffer<T>& law, const layouts::AlignedBuffer<T>& blow,
-                        layouts::AlignedBuffer<T>& mu) {
+  const auto look = [&](std::span<const T> law, std::span<const T> blow, std::span<T> mu) {
     for (std::size_t i = 0; i < mu.size(); ++i) {
       const std::size_t lane = i % lanes;
       const T one_sided = law[simd::tree_fields::law * (i - lane) + 3 * lanes + lane];
@@ -101,7 +100,7 @@ bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work, double share = 1)
 template <class T>
 void count_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
   if (!state.laws.pulls) return;
-  const auto count = [&](const layouts::AlignedBuffer<T>& blow, const auto& length2,
+  const auto count = [&](std::span<const T> blow, const auto& length2,
                          layouts::AlignedBuffer<double>& impulse) {
     for (std::size_t i = 0; i < blow.size(); ++i)
       impulse[i] -= double{blow[i]} * std::sqrt(double{length2[i]}) * state.mass_unit[i % state.lanes];
@@ -200,7 +199,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
       const;                                                                                               \
   template void TreeStepper<T>::release_thrown_back(TreeState<T>&, const Drive&, TreeWorkspace<T>&) const; \
   template void TreeStepper<T>::take_sound(const TreeState<T>&, const Drive&, TreeWorkspace<T>&,           \
-                                           layouts::AlignedBuffer<T>&) const;                              \
+                                           std::span<T>) const;                                            \
   template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;                \
   template void TreeStepper<T>::take_blow(TreeState<T>&, TreeWorkspace<T>&) const;                         \
   template void TreeStepper<T>::find_velocities(TreeState<T>&, TreeWorkspace<T>&) const;

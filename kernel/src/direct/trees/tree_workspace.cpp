@@ -4,35 +4,68 @@ namespace plumb::detail {
 using layouts::AlignedBuffer;
 using namespace simd;
 
+namespace {
+
+/// A part of working memory gets so many numbers.
+template <class T>
+struct Share {
+  std::span<T>* part;
+  std::size_t size;
+};
+
+/// Makes memory that parts share, each from a boundary of AlignedBuffer on. Empty parts have none.
+template <class T>
+AlignedBuffer<T> share_out(std::span<const Share<T>> shares) {
+  const auto room = [](std::size_t size) {
+    const std::size_t lanes = layouts::lane_width<T>;
+    return (size + lanes - 1) / lanes * lanes;
+  };
+  std::size_t all = 0;
+  for (const auto& [part, size] : shares) all += room(size);
+  AlignedBuffer<T> memory(all);
+  std::size_t first = 0;
+  for (const auto& [part, size] : shares) {
+    if (size > 0) *part = std::span(memory.data() + first, size);
+    first += room(size);
+  }
+  return memory;
+}
+
+}  // namespace
+
 template <class T>
 TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
   const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.ties} * lanes;
-  for (auto* buffer : {&delta, &velocity, &load}) *buffer = AlignedBuffer<T>(3 * n);
-  rod = AlignedBuffer<T>(tree_fields::rod * n);
-  tie_rod = AlignedBuffer<T>(tree_fields::rod * p);
-  elimination = AlignedBuffer<T>(tree_fields::elimination * n);
-  tie_elimination = AlignedBuffer<T>(tree_fields::tie_elimination * p);
-  blow = AlignedBuffer<T>(n);
-  tie_blow = AlignedBuffer<T>(p);
+  std::vector<Share<T>> shares{{&delta, 3 * n},
+                               {&velocity, 3 * n},
+                               {&load, 3 * n},
+                               {&rod, tree_fields::rod * n},
+                               {&tie_rod, tree_fields::rod * p},
+                               {&elimination, tree_fields::elimination * n},
+                               {&tie_elimination, tree_fields::tie_elimination * p},
+                               {&blow, n},
+                               {&tie_blow, p},
+                               {&below, tree_fields::below * std::size_t{topology.below_slots} * lanes}};
+  for (auto* part : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before, &mu_scale,
+                     &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
+    shares.push_back({part, lanes});
+  if (topology.bends.any()) {
+    shares.push_back({&bend_start, 3 * (n + 2 * std::size_t{lanes})});
+    shares.push_back({&bend_rate, lanes});
+    shares.push_back(
+        {&bent_elimination, tree_fields::bent_elimination * n + tree_fields::bent_tip * std::size_t{lanes}});
+  }
+  if (topology.bends.is_twisted()) {
+    shares.push_back({&clamp_rod, 6 * std::size_t{lanes}});
+    for (auto* part : {&twist_stiffness, &twist_start, &torque, &twist_turn}) shares.push_back({part, lanes});
+    shares.push_back({&torque_elimination, tree_fields::torque_elimination * n + 3 * std::size_t{lanes}});
+  }
+  memory = share_out<T>(shares);
   tie_jump.resize(p);
   tie_rest.resize(p);
-  below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
-                       &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
-    *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   iterations.assign(lanes, 0);
   first.assign(lanes, 0);
-  if (!topology.bends.any()) return;
-  bend_start = AlignedBuffer<T>(3 * (n + 2 * std::size_t{lanes}));
-  bend_rate = AlignedBuffer<T>(lanes);
-  bent_elimination =
-      AlignedBuffer<T>(tree_fields::bent_elimination * n + tree_fields::bent_tip * std::size_t{lanes});
-  if (!topology.bends.is_twisted()) return;
-  clamp_rod = AlignedBuffer<T>(6 * std::size_t{lanes});
-  for (auto* buffer : {&twist_stiffness, &twist_start, &torque, &twist_turn})
-    *buffer = AlignedBuffer<T>(lanes);
-  torque_elimination = AlignedBuffer<T>(tree_fields::torque_elimination * n + 3 * std::size_t{lanes});
 }
 
 template <class T>

@@ -155,6 +155,7 @@ Removed Step::take_away(std::uint32_t particle) {
     out.capsules = compiled_.contact->capsules_of(compiled_.contact->island_of(place->slot));
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
+  compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.islands -= islands;
   std::erase_if(out.particles, [&](std::uint32_t each) {
     return anchors_.is_fixed(each) && (!compiled_.places.of(each).empty() || carries_shape(each));

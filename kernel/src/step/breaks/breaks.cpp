@@ -207,17 +207,29 @@ void Breaks::edit(const Edits& edits) {
 
 // --- Islands
 
-Breaks::Cutout Breaks::cutout() {
-  Cutout out;
-  for (const std::uint32_t number : touched_) {
+/// Lists what touched islands have, movable particles before fixed ones, which leaves little to sort.
+void Breaks::list_touched(Cutout& out) const {
+  Ids order = touched_;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return wholes_[a].particles.front() < wholes_[b].particles.front();
+  });
+  for (const bool is_fixed : {false, true})
+    for (const std::uint32_t number : order)
+      for (const std::uint32_t particle : wholes_[number].particles)
+        if ((fixed_[particle] != 0) == is_fixed) out.particles.push_back(particle);
+  for (const std::uint32_t number : order) {
     const Whole& whole = wholes_[number];
-    append(out.particles, whole.particles);
     append(out.rods, whole.rods);
     append(out.bends, whole.bends);
     append(out.tackles, whole.tackles);
     append(out.twists, whole.twists);
     append(out.reels, whole.reels);
   }
+}
+
+Breaks::Cutout Breaks::cutout() {
+  Cutout out;
+  list_touched(out);
   const auto add_rod = [&](std::uint32_t rod) {
     if (!joins_ends(rod)) return;
     out.rods.push_back(rod);
@@ -232,6 +244,8 @@ Breaks::Cutout Breaks::cutout() {
     sort_once(*list);
   Scene& scene = out.scene;
   scene.drag = scene_now().drag;
+  scene.particles.reserve(out.particles.size());
+  scene.rods.reserve(out.rods.size());
   for (const std::uint32_t particle : out.particles) {
     place_[particle] = static_cast<std::uint32_t>(scene.particles.size());
     Particle& made = scene.particles.emplace_back(scene_now().particles[particle]);
@@ -317,6 +331,7 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const I
     const std::uint32_t number = spare_whole();
     Whole& whole = wholes_[number];
     const auto list = [](Ids& to, std::span<const std::uint32_t> of_part, const Ids& numbers) {
+      to.reserve(of_part.size());
       for (const std::uint32_t each : of_part) to.push_back(numbers[each]);
     };
     list(whole.particles, islands.vertices(part), of.particles);
@@ -342,13 +357,16 @@ std::uint32_t Breaks::spare_whole() {
 Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Ids& parts) const {
   Fallen out;
   out.touched = from.particles;
+  for (Ids* const list : {&out.leaving, &out.particles}) list->reserve(from.particles.size());
+  out.rods.reserve(from.rods.size());
+  out.scene.particles.reserve(from.particles.size());
+  out.scene.rods.reserve(from.rods.size());
   const auto leaves = [&](std::uint32_t whole) { return whole != none && wholes_[whole].leaves(); };
   for (const std::uint32_t particle : from.particles)
     if (leaves(whole_[particle])) out.leaving.push_back(particle);
-  for (const std::uint32_t rod : from.rods)
-    if (leaves(whole_at(rod))) out.leaving_rods.push_back(rod);
   out.scene.drag = scene_now().drag;
   Ids place(from.particles.size(), none);
+  std::vector<std::uint8_t> is_made(from.rods.size(), 0);
   const IslandElements elements(from.scene, islands);
   for (const std::uint32_t island : parts) {
     for (const std::uint32_t particle : islands.vertices(island)) {
@@ -362,6 +380,7 @@ Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, cons
       made.a = place[made.a];
       made.b = place[made.b];
       out.rods.push_back(from.rods[rod]);
+      is_made[rod] = 1;
     }
     for (const std::uint32_t bend : elements.bends_of(island)) {
       Bend& made = out.scene.bends.emplace_back(from.scene.bends[bend]);
@@ -373,6 +392,8 @@ Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, cons
       out.tackles.push_back(from.tackles[tackle]);
     }
   }
+  for (std::size_t rod = 0; rod < from.rods.size(); ++rod)
+    if (is_made[rod] == 0 && leaves(whole_at(from.rods[rod]))) out.leaving_rods.push_back(from.rods[rod]);
   return out;
 }
 

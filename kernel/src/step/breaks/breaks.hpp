@@ -22,7 +22,8 @@ namespace plumb::detail {
 struct Fallen {
   Scene scene;
   std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
-  /// Lists particles, rods and twists that leave the solvers that move them.
+  /// Lists particles and twists that leave the solvers that move them, and rods that do so and are in no
+  /// scene.
   std::vector<std::uint32_t> leaving, leaving_rods, leaving_twists;
   std::vector<std::uint32_t> touched;  ///< Places of these particles may change.
   /// Lists the contact solver's islands that are made anew with them or by themselves, and how.
@@ -144,6 +145,7 @@ class Breaks {
   void join(const Edits& edits);
   std::pair<double, double>& mass_at(std::uint32_t particle);
   void edit(const Edits& edits);
+  void list_touched(Cutout& out) const;
   Cutout cutout();
   void end_elements(Cutout& of);
   std::vector<std::uint32_t> leaving_parts(const Cutout& of, const layouts::Islands& islands);

@@ -9,9 +9,11 @@ namespace plumb::detail {
 /// Lists numbers of particles, rods or the like.
 using Ids = std::vector<std::uint32_t>;
 
-/// Puts numbers in ascending order, each once.
+/// Puts numbers in ascending order, each once. Those at the front that are in order already cost little.
 inline void sort_once(Ids& of) {
-  std::sort(of.begin(), of.end());
+  const auto others = std::is_sorted_until(of.begin(), of.end());
+  std::sort(others, of.end());
+  std::inplace_merge(of.begin(), others, of.end());
   of.erase(std::unique(of.begin(), of.end()), of.end());
 }
 

@@ -38,9 +38,12 @@ void Step::split(StepReport&) {
   if (std::exchange(has_broken_, false)) now.rods = broken_now();
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
-  const Fallen fallen = take_out(now);
+  Fallen fallen = take_out(now);
   log_.keep(fallen.touched, now.edits);
   put_joined(now.edits);
+  now.positions.reserve(fallen.particles.size());
+  now.velocities.reserve(fallen.particles.size());
+  now.lengths.reserve(fallen.rods.size() + fallen.tackles.size());
   for (const std::uint32_t particle : fallen.particles) {
     now.positions.push_back(position(particle));
     now.velocities.push_back(velocity(particle));
@@ -52,7 +55,7 @@ void Step::split(StepReport&) {
   for (const std::uint32_t tackle : fallen.tackles)
     now.lengths.push_back(lengths_.length(tackle_cord(tackle)));
   if (!now.edits.joined.empty()) settle(fallen, now);
-  split(fallen, now);
+  split(std::move(fallen), now);
   log_.push(std::move(now));
 }
 
@@ -165,20 +168,26 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
 }
 
 /// Takes islands of particles out of their solvers for good, and their places from all that are touched.
-/// Returns the solvers that they had. Adds up how many islands went.
+/// Returns the solvers that they had. Adds up how many islands went. Runs of places are to be found after
+/// that.
 std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> leaving,
                                                std::span<const std::uint32_t> touched,
                                                std::uint32_t& islands) {
   using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
   std::set<IslandOfSolver> gone;
+  IslandOfSolver last{};       // that was found to be gone, as that of the next particle mostly is
   std::uint32_t visitors = 0;  // which have a home, and count there
   const auto island_at = [&](const Place& place) {
     return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
   };
+  const auto is_last = [&](const IslandOfSolver& island) { return !gone.empty() && island == last; };
   for (const std::uint32_t particle : leaving) {
     const auto places = compiled_.places.of(particle);
     for (std::size_t k = places.size(); k-- > 0;) {  // from the contact solver first, then from its home
-      if (!gone.insert(island_at(places[k])).second) continue;
+      const IslandOfSolver island = island_at(places[k]);
+      if (is_last(island)) continue;
+      last = island;
+      if (!gone.insert(island).second) continue;
       if (&solver(places[k]) == compiled_.contact && compiled_.contact->may_go_home(places[k].slot))
         ++visitors;
       solver(places[k]).remove(places[k].slot);
@@ -187,11 +196,16 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
   std::vector<Place> left;
   for (const std::uint32_t particle : touched) {
     left.clear();
-    for (const Place& place : compiled_.places.of(particle))
-      if (gone.count(island_at(place)) == 0) left.push_back(place);
+    for (const Place& place : compiled_.places.of(particle)) {
+      const IslandOfSolver island = island_at(place);
+      if (is_last(island)) continue;
+      if (gone.count(island) > 0)
+        last = island;
+      else
+        left.push_back(place);
+    }
     compiled_.places.replace(particle, left);
   }
-  compiled_.places.find_runs(compiled_.solvers);
   if (settings_.events)
     for (const std::uint32_t particle : leaving) events_.remove_head(particle);
   std::vector<std::uint32_t> solvers;

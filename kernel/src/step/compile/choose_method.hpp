@@ -50,7 +50,8 @@ struct Choice {
   bool operator==(const Choice&) const = default;
 };
 
-/// Names an island of particles and rods: its graph, and the scene's numbers of both.
+/// Names an island of particles and rods: its graph, which method automatic needs, and the scene's numbers of
+/// both.
 struct IslandNumbers {
   const layouts::Graph& graph;
   std::span<const std::uint32_t> particles, rods;

@@ -286,7 +286,8 @@ class Compiler {
     std::vector<double> masses;
     if (settings_.precision == Precision::single) masses = lumped_masses(scene_);
     for (const auto& equal : layouts::group_equal_islands(graph_, islands)) {
-      const layouts::LocalGraph local = layouts::local_graph(graph_, islands, equal.front());
+      layouts::LocalGraph local;  // which method automatic alone looks at
+      if (settings_.method == Method::automatic) local = layouts::local_graph(graph_, islands, equal.front());
       std::vector<std::size_t> joined;  // shares that this set's islands went to
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
@@ -320,6 +321,9 @@ class Compiler {
 
   void place_particles() {
     std::vector<Places::Entry> entries;
+    std::size_t count = 0;
+    for (const auto& of_solver : slots_) count += of_solver.size();
+    entries.reserve(count);
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
@@ -327,6 +331,7 @@ class Compiler {
     const auto tackles = static_cast<std::uint32_t>(scene_.tackles.size());
     const auto reels = static_cast<std::uint32_t>(scene_.reels.size());
     std::vector<Places::Entry> of_rods, of_lines;
+    of_rods.reserve(cords_.size());
     for (const auto& [cord, place] : cords_)
       if (cord < rods)
         of_rods.push_back({cord, place});
