@@ -96,9 +96,31 @@ void change_settings(Twins& twins, Random& random) {
   }
 }
 
+/// Adds a rope of three rods with capsules to both, near the others.
+void add_rope(Twins& twins, Random& random) {
+  Scene scene;
+  const Vec3 from{between(random, -0.2, 0.4), between(random, -0.3, -0.1), between(random, -0.2, 0.2)};
+  for (std::uint32_t i = 0; i <= 3; ++i)
+    scene.particles.push_back({.position = from + Vec3{0.1 * i, 0, 0}, .velocity = {0, 1, 0}, .mass = 0.1});
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+  }
+  Added first;
+  const std::string why = test::refusal([&] { first = twins.one.add(scene); });
+  EXPECT_EQ(why, test::refusal([&] { EXPECT_EQ(twins.two.add(scene), first); }));
+  if (!why.empty()) return;  // neither began with shapes
+  twins.masses.resize(twins.one.particle_count());
+  twins.ropes.resize(twins.one.particle_count());
+  for (std::uint32_t i = first.particle; i <= first.particle + 3; ++i) {
+    twins.masses[i] = 0.1;
+    twins.ropes[i] = first.particle;
+  }
+}
+
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 14), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 15), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -125,6 +147,10 @@ bool edit(Twins& twins, Random& random) {
   if (kind == 9) {
     both([&](World& world) { world.free(particle); });
     return true;
+  }
+  if (kind == 14) {
+    add_rope(twins, random);
+    return false;
   }
   if (kind > 11) {
     if (rod >= twins.rods) return false;  // how long a joined one is, nobody knows here
@@ -190,7 +216,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
       may_jump = edit(twins, random) || may_jump;
     const Vec3 before = twins.momentum();
     bool has_fixed = false;
-    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    for (std::uint32_t i = 0; i < twins.one.particle_count(); ++i)
       has_fixed = has_fixed || (twins.one.particle_handle(i) && twins.one.velocity(i) == Vec3{});
     twins.one.step(twins.frame);
     twins.two.step(twins.frame);
@@ -198,7 +224,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
     if (!may_jump && !has_fixed) {
       EXPECT_LE(norm(twins.momentum() - before), 1e-9);
     }
-    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    for (std::uint32_t i = 0; i < twins.one.particle_count(); ++i)
       if (twins.one.particle_handle(i)) {
         EXPECT_TRUE(is_finite(twins.one.position(i))) << i;
       }

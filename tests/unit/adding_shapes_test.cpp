@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "contact/edits/given_numbers.hpp"
+#include "contact/shapes/equal_capsules.hpp"
 #include "plumb/plumb.hpp"
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
@@ -61,6 +63,39 @@ void expect_alike(const World& one, const World& other) {
     EXPECT_EQ(one.position(i), other.position(i)) << i;
     EXPECT_EQ(one.velocity(i), other.velocity(i)) << i;
   }
+}
+
+TEST(GivenNumbers, AreGivenOrTheLowestThatAreFree) {
+  detail::GivenNumbers numbers;
+  numbers.give({});
+  EXPECT_EQ(numbers.take(2), 2u);
+  numbers.end(1);
+  EXPECT_EQ(numbers.take(3), 3u) << "places still name 1";
+  EXPECT_EQ(numbers.made(), (std::vector<std::uint32_t>{2, 3}));
+  numbers.give({});
+  EXPECT_EQ(numbers.take(4), 1u);
+  numbers.give(std::vector<std::uint32_t>{6, 5});
+  EXPECT_EQ(numbers.take(4), 6u);
+  EXPECT_EQ(numbers.take(7), 5u);
+  EXPECT_EQ(numbers.take(7), 4u);
+}
+
+TEST(Capsules, AreEqualInAllMembers) {
+  const Capsule capsule{.a = point_at(1), .b = point_at(2), .radius = 0.1};
+  EXPECT_EQ(capsule, Capsule(capsule));
+  const auto differs = [&](auto&& change) {
+    Capsule other = capsule;
+    change(other);
+    return !(other == capsule);
+  };
+  EXPECT_TRUE(differs([](Capsule& of) { of.a.particles[0] = 3; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.b.weights[0] = 0.5; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.radius = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.surface.friction = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.surface.restitution = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.surface.rolling = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.surface.spinning = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.filter.group = 1; }));
 }
 
 // Two ropes that are added one by one fall on the floor and on each other as if the world began with them.
@@ -146,6 +181,30 @@ TEST(AddingShapes, ComeBackWithSnapshots) {
     world.restore(kept);
     EXPECT_EQ(go_on(world), hash);
   });
+}
+
+// Memory is used again: snapshots after many have come and gone are as large as after few.
+TEST(AddingShapes, LeaveNothingOnceTheyAreGone) {
+  World world(floor_alone(), {});
+  world.add(rope({0, 0.1, 0}, {1, 0, 0}));
+  std::size_t size = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Added added = world.add(rope({1.0 + i, 0.1, 0}, {1, 0, 0}));
+    EXPECT_EQ(added.capsule, 4u);
+    world.step(frame);
+    world.remove(added.particle);
+    world.step(frame);
+    if (i == 1) size = world.snapshot_size();
+  }
+  EXPECT_LE(world.snapshot_size(), size + 4096) << "but for contacts";
+  std::vector<std::byte> kept(world.snapshot_size());
+  world.save(kept);
+  World fresh(floor_alone(), {});
+  fresh.restore(kept);
+  for (World* const each : {&world, &fresh}) each->add(rope({0.2, 0.3, -0.2}, {0, 0, 1}));
+  for (int i = 0; i < 40; ++i)
+    for (World* const each : {&world, &fresh}) each->step(frame);
+  EXPECT_EQ(world.state_hash(), fresh.state_hash());
 }
 
 // Edits know them as they know others, and so do other settings.

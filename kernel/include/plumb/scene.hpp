@@ -102,9 +102,6 @@ struct Bend {
 struct Point {
   std::array<std::uint32_t, 4> particles{};  ///< Indices into Scene::particles.
   std::array<double, 4> weights{};           ///< Weights, in the order of `particles`.
-
-  /// Returns whether all members are equal.
-  friend constexpr bool operator==(const Point&, const Point&) = default;
 };
 
 /// Resists being twisted: a chain of rods whose cross sections turn against each other along it, as those of
@@ -246,9 +243,6 @@ struct Capsule {
   double radius = 0;  ///< Radius, in m.
   Surface surface{};  ///< How it feels.
   Filter filter{};    ///< What it may touch.
-
-  /// Returns whether all members are equal.
-  friend constexpr bool operator==(const Capsule&, const Capsule&) = default;
 };
 
 /// This is a shape on a body: all that is within `radius` of the convex hull of points.

@@ -12,6 +12,7 @@
 #include "contact/surroundings.hpp"
 #include "plumb/shapes/queries.hpp"
 #include "queries/solid_box.hpp"
+#include "contact/shapes/equal_capsules.hpp"
 
 namespace plumb::detail {
 

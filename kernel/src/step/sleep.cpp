@@ -17,19 +17,33 @@ void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, const Settin
 }
 
 void Sleep::exchange(std::span<const std::unique_ptr<Solver>> solvers, std::span<const Seat> seats) {
-  before_.clear();
-  std::swap(before_, tasks_);
+  // Tasks before those of the first solver that went or came stay where they are.
+  const auto end_of = [&](std::uint32_t s) {
+    return s + std::size_t{1} < first_task_.size() ? first_task_[s + 1] : tasks_.size();
+  };
+  std::uint32_t same = 0;
+  while (same < first_task_.size() &&
+         (seats[same] == Seat::kept || (seats[same] == Seat::free && first_task_[same] == end_of(same))))
+    ++same;
+  const std::size_t stay = same > 0 ? end_of(same - 1) : 0;
+  const auto count_awake = [&] {
+    return static_cast<std::uint32_t>(std::count_if(tasks_.begin() + static_cast<std::ptrdiff_t>(stay),
+                                                    tasks_.end(),
+                                                    [](const Task& task) { return !task.asleep; }));
+  };
+  awake_ -= count_awake();
+  before_.assign(tasks_.begin() + static_cast<std::ptrdiff_t>(stay), tasks_.end());
+  tasks_.erase(tasks_.begin() + static_cast<std::ptrdiff_t>(stay), tasks_.end());
   std::size_t next = 0;  // the first task before of a solver with this number or a later one
-  first_task_.clear();
-  for (std::uint32_t s = 0; s < solvers.size(); ++s) {
+  first_task_.resize(same);
+  for (std::uint32_t s = same; s < solvers.size(); ++s) {
     first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));
     for (; next < before_.size() && before_[next].solver == s; ++next)
       if (seats[s] == Seat::kept) tasks_.push_back(before_[next]);
     if (seats[s] != Seat::taken) continue;
     for (std::uint32_t piece = 0; piece < solvers[s]->pieces(); ++piece) tasks_.push_back({s, piece});
   }
-  awake_ = static_cast<std::uint32_t>(
-      std::count_if(tasks_.begin(), tasks_.end(), [](const Task& task) { return !task.asleep; }));
+  awake_ += count_awake();
 }
 
 void Sleep::wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task) {

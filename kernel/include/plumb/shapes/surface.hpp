@@ -22,9 +22,6 @@ struct Surface {
   /// Length in m. Spinning about the normal is resisted by a torque of at most this times the normal force. A
   /// patch of radius a, pressed evenly, has 2/3 a times its friction.
   double spinning = 0;
-
-  /// Returns whether all members are equal.
-  friend constexpr bool operator==(const Surface&, const Surface&) = default;
 };
 
 /// Says what a shape may touch. Two shapes may touch if the category of each is in the mask of the other.

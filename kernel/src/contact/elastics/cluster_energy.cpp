@@ -81,9 +81,7 @@ void ClusterStepper::make_room_to_damp(Island& island) {
 void ClusterStepper::slow_down(double excess, double kinetic) {
   const double loose = find_rigid_motion();
   if (excess <= loose) return scale_loose_motion(std::sqrt(1 - excess / loose));
-  for (std::uint32_t i = 0; i < count_; ++i)
-    std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), Vec3{});
-  scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / kinetic)));
+  slow_all(excess, kinetic);
 }
 
 /// Returns whether a substep may stand, as it is or with less motion. Its velocities are still apart, in

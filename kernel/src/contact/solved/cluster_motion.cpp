@@ -166,6 +166,39 @@ void ClusterStepper::scale_loose_motion(double by) {
   }
 }
 
+/// Returns the velocity (m/s) that all would have together, in Island::v. It is zero where something is
+/// fixed, sleeps or is pushed by ground, which takes momentum.
+Vec3 ClusterStepper::common_velocity() {
+  Vec3 momentum{};
+  double mass = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    const Linkage& linkage = *island.state->linkage;
+    if (!island.awake || linkage.is_grounded() || !island.ground.is_empty()) return {};
+    island.impulse.resize(linkage.movable());
+    linkage.momenta(island.v, island.impulse);
+    for (const Vec3 each : island.impulse) momentum += each;
+    mass += linkage.mass();
+  }
+  const bool is_pushed = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
+    return row.kind == Kind::normal && row.ends == 1 && (row.p != 0 || row.q != 0);
+  });
+  return is_pushed ? Vec3{} : (1 / mass) * momentum;
+}
+
+/// Takes energy (J) from all motion, which has `moving`, but for what is common to all if that is enough:
+/// what flies keeps its momentum.
+void ClusterStepper::slow_all(double excess, double moving) {
+  double mass = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) mass += islands_[i].state->linkage->mass();
+  Vec3 common = common_velocity();
+  double rest = moving - 0.5 * mass * dot(common, common);
+  if (!(excess <= rest + unnoticed * moving)) common = {}, rest = moving;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), common);
+  scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / rest)));
+}
+
 /// Returns the height (m) of an island that is as high as its largest rod at least. What is left of lengths
 /// adds up along it.
 double ClusterStepper::height_of(const Island& island) {
@@ -218,9 +251,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     const bool lifts = excess > moving + unnoticed * weight;
     if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
-    for (std::uint32_t i = 0; i < count_; ++i)
-      std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), Vec3{});
-    scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / moving)));
+    slow_all(excess, moving);
   } else {
     return true;
   }

@@ -293,6 +293,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
   static double height_of(const Island& island);
   double find_rigid_motion();
+  Vec3 common_velocity();
+  void slow_all(double excess, double moving);
   void scale_loose_motion(double by);
   void keep_contacts(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);

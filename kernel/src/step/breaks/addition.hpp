@@ -4,6 +4,7 @@
 
 #include "plumb/report.hpp"
 #include "plumb/scene.hpp"
+#include "contact/shapes/equal_capsules.hpp"
 
 namespace plumb::detail {
 
