@@ -279,7 +279,7 @@ Scene jumble() {
 // Impulses here are of some N s.
 TEST(ReportedContacts, MakeTheChangeOfMomentum) {
   for (const std::uint32_t substeps : {1u, 4u}) {
-    const Balance off = balance(jumble(), reporting(substeps), 100);
+    const Balance off = balance(jumble(), reporting(substeps), 180, frame / 2);
     EXPECT_LE(off.worst, 1e-11) << substeps;
     EXPECT_GE(off.most, 7u);
     EXPECT_GE(off.counted, 20);
