@@ -78,6 +78,11 @@ class ContactSolver final : public Solver {
   GivenNumbers& numbers() { return numbers_; }
   /// Has so many numbers. Nothing has those that are new.
   void resize_islands(std::uint32_t count);
+  /// Returns whether a capsule of fixed particles alone is at one, which is ground.
+  bool holds_ground(std::uint32_t particle) const {
+    const auto anchors = surroundings_.anchored.anchors();
+    return std::binary_search(anchors.begin(), anchors.end(), particle);
+  }
   /// Takes in plain islands with capsules, which are at home from the start on. Numbers of capsules are those
   /// among shapes.
   std::vector<Made> add(NamedPart part);
@@ -89,6 +94,8 @@ class ContactSolver final : public Solver {
   }
   /// Returns the numbers of an island's capsules, ascending.
   std::vector<std::uint32_t> capsules_of(std::uint32_t island) const;
+  /// Ends a plain island that has these rods, among others, at a cost that does not grow with the world.
+  void end_plain(std::uint32_t island, std::span<const std::uint32_t> rods);
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
@@ -292,6 +299,7 @@ class ContactSolver final : public Solver {
   template <class F>
   void replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f);
   void retire(std::uint32_t island);
+  void end_island(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t kind_like(const Scene& part);
   std::size_t add_kind(const Scene& part);

@@ -237,10 +237,9 @@ class Step {
   void relate_errors();
   Removed take_away(std::uint32_t particle);
   void put_shapes(Split& now, const Fallen& numbers);
-  template <class F>
-  bool any_capsule_at(std::uint32_t particle, F&& f) const;
-  bool carries_shape(std::uint32_t anchor) const;
-  bool holds_ground(std::uint32_t anchor) const;
+  bool holds_ground(std::uint32_t anchor) const {
+    return compiled_.contact && compiled_.contact->holds_ground(anchor);
+  }
   PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;
   std::vector<std::uint32_t> meeting(const Edits& edits) const;
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;

@@ -135,14 +135,26 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
 /// Lets nothing move an island any more, nor find it.
 void ContactSolver::retire(std::uint32_t island) {
   if (states_[island].linkage == nullptr) return;
+  end_island(island);
+  for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
+    for (Owner& owner : *owners)
+      if (owner.island == island) owner.island = ended;
+}
+
+void ContactSolver::end_plain(std::uint32_t island, std::span<const std::uint32_t> rods) {
+  for (const std::uint32_t capsule : capsules_of(island))
+    shapes_[number_of({ShapeKind::capsule, capsule})].island = ended;
+  for (const std::uint32_t rod : rods)
+    if (has_rod(rod) && rods_[rod].island == island) rods_[rod].island = ended;
+  end_island(island);
+}
+
+void ContactSolver::end_island(std::uint32_t island) {
   --uses_[kind_number(states_[island])];
   clusters_.end(island);
   states_[island].end();
   visitors_[island].end();
   numbers_.end(island);
-  for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
-    for (Owner& owner : *owners)
-      if (owner.island == island) owner.island = ended;
   for (const auto& mover : movers_) mover->forget();
 }
 

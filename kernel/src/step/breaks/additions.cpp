@@ -4,23 +4,11 @@
 #include <numeric>
 #include <utility>
 
-#include "contact/platforms/anchored.hpp"
 #include "scene/refuse.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/step.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Returns whether a capsule is at a particle.
-bool is_at(const Capsule& capsule, std::uint32_t particle) {
-  for (const Point* const point : {&capsule.a, &capsule.b})
-    for (std::size_t k = 0; k < point->particles.size(); ++k)
-      if (point->weights[k] != 0 && point->particles[k] == particle) return true;
-  return false;
-}
-
-}  // namespace
 
 Scene Step::scene_of(const Addition& of) const {
   return of.scene(gravity_, origin_->scene.drag);
@@ -125,7 +113,7 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   breaks_.begin();
   if (anchors_.is_fixed(particle) && !compiled_.places.of(particle).empty())
     refuse("particle ", particle, ": is fixed, and something hangs from it, which goes first");
-  if (anchors_.is_fixed(particle) && carries_shape(particle))
+  if (anchors_.is_fixed(particle) && holds_ground(particle))
     refuse("particle ", particle, ": a shape is at it, and it stays");
   require_editable("particle", particle, particle);
   require_no_joints("particle", particle, particle);
@@ -151,14 +139,17 @@ Removed Step::take_away(std::uint32_t particle) {
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
   for (const std::uint32_t number : take_grabs(leaving)) release(number);
-  if (const Place* const place = leaving.empty() ? nullptr : contact_place(leaving.front()))
-    out.capsules = compiled_.contact->capsules_of(compiled_.contact->island_of(place->slot));
+  if (const Place* const place = leaving.empty() ? nullptr : contact_place(leaving.front())) {
+    ContactSolver& contact = *compiled_.contact;
+    out.capsules = contact.capsules_of(contact.island_of(place->slot));
+    contact.end_plain(contact.island_of(place->slot), out.rods);
+  }
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
   compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.islands -= islands;
   std::erase_if(out.particles, [&](std::uint32_t each) {
-    return anchors_.is_fixed(each) && (!compiled_.places.of(each).empty() || carries_shape(each));
+    return anchors_.is_fixed(each) && (!compiled_.places.of(each).empty() || holds_ground(each));
   });
   for (const std::uint32_t each : out.particles)
     if (anchors_.is_fixed(each))
@@ -169,28 +160,6 @@ Removed Step::take_away(std::uint32_t particle) {
   is_described_ = false;
   forget(out);
   return out;
-}
-
-/// Returns whether a shape of the scene is at a fixed particle. That of fixed ones alone is ground, and has
-/// no place in an island. Everything else that a fixed particle may hold has one.
-bool Step::carries_shape(std::uint32_t anchor) const {
-  return any_capsule_at(anchor, [](const Capsule&) { return true; });
-}
-
-bool Step::holds_ground(std::uint32_t anchor) const {
-  return any_capsule_at(anchor, [&](const Capsule& each) { return is_anchored(breaks_.scene_now(), each); });
-}
-
-/// Returns whether a capsule that is still there is at a particle, and f(capsule) is true.
-template <class F>
-bool Step::any_capsule_at(std::uint32_t particle, F&& f) const {
-  if (!compiled_.contact) return false;
-  const std::vector<Capsule>& capsules = breaks_.scene_now().capsules;
-  for (std::uint32_t i = 0; i < capsules.size(); ++i)
-    if (has_shape(compiled_.contact->number_of({ShapeKind::capsule, i})) && is_at(capsules[i], particle) &&
-        f(capsules[i]))
-      return true;
-  return false;
 }
 
 /// Lets nobody know what is gone any more.
