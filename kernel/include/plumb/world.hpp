@@ -229,12 +229,12 @@ class PLUMB_API World {
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
-  /// Adds islands of particles, rods, bends, tackles and capsules at once, as a world of that scene would begin
-  /// with them. Numbers are the lowest of removed ones that are free in a row, or new, and depend on nothing
-  /// but what was added and removed before. Its gravity and ground are those of the world. Capsules are on
-  /// particles and rigid rods alone, in a world that began with ground or shapes. Throws InputError if
-  /// validate() refuses the scene, on other drag than that of the world, on anything else in it, and where the
-  /// settings cannot move it.
+  /// Adds islands of particles, rods, bends, tackles and capsules at once, as a world of that scene begins.
+  /// Numbers are the lowest of removed ones that are free in a row, or new, and depend on nothing but what
+  /// was added and removed before. Gravity and ground are those of the world. Capsules are on particles and
+  /// rigid rods alone, in a world that began with ground or shapes. Throws InputError if validate() refuses
+  /// the scene, on other drag than that of the world, on anything else in it, and where the settings cannot
+  /// move it.
   Added add(const Scene& scene);
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
