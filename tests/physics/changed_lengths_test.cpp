@@ -211,6 +211,32 @@ TEST(ChangedLengths, GoOnAfterSnapshotsAndOtherSettings) {
   });
 }
 
+// The work of a start beside joints, with gradient mid: a blow, and then pulls at the new rate.
+TEST(ChangedLengths, DoTheWorkOfAStartBesideJoints) {
+  Scene scene;
+  scene.particles = {{.position = {0, 0, 0}, .fixed = true},
+                     {.position = {0, -1, 0}, .mass = 1},
+                     {.position = {0.5, -1, 0}, .mass = 1}};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}};
+  scene.angles.push_back({.u = {point_at(0), point_at(1)}, .v = {point_at(1), point_at(2)}});
+  World world(scene, {.method = Method::direct, .gradient = Gradient::mid, .tensions = true});
+  const auto energy = [&] {
+    double sum = 0;
+    for (std::uint32_t i = 1; i <= 2; ++i)
+      sum += 0.5 * dot(world.velocity(i), world.velocity(i)) + 9.81 * world.position(i).y;
+    return sum;
+  };
+  const double before = energy(), dt = 1.0 / 240;
+  double work = 0;
+  for (int i = 1; i <= 48; ++i) {
+    world.set_length(0, 1 - 0.5 * i * dt);
+    world.step(dt);
+    work += dt * world.power(0);
+  }
+  EXPECT_GT(work, 1);
+  EXPECT_NEAR(work, energy() - before, 1e-3 * work);
+}
+
 // Loops whose lengths changed go on in a world that knows of none yet, and reading velocities on the way
 // changes no bits.
 TEST(ChangedLengths, GoOnInLoops) {

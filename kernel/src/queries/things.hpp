@@ -7,12 +7,12 @@
 #include "contact/linkage/combination.hpp"
 #include "contact/platforms/platforms.hpp"
 #include "contact/shapes/bounds.hpp"
+#include "contact/shapes/equal_capsules.hpp"
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/meshes/triangle_mesh.hpp"
 #include "contact/surroundings.hpp"
 #include "plumb/shapes/queries.hpp"
 #include "queries/solid_box.hpp"
-#include "contact/shapes/equal_capsules.hpp"
 
 namespace plumb::detail {
 

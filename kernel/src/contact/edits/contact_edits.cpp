@@ -39,8 +39,8 @@ void copy_laws(const LinkageState& from, const NamedPart& whole, const ScenePart
     if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*old];
   });
   for_own(parts.rods(), [&](std::uint32_t i, std::uint32_t own) {
-    for (const RodLengths::Change& each : from.lengths.changes())
-      if (each.rod == whole.rods_were[i]) to.lengths.take(each, own, now.rods());
+    if (const RodLengths::Change* const change = from.lengths.find(whole.rods_were[i]))
+      to.lengths.take(*change, own, now.rods());
   });
   for_own(parts.angles(), [&](std::uint32_t i, std::uint32_t own) {
     copy(before.elastics_of_angle(i), now.elastics_of_angle(own));

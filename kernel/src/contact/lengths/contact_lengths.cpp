@@ -8,6 +8,7 @@ namespace plumb::detail {
 
 const char* ContactSolver::keeps_length(std::uint32_t rod) const {
   const auto [island, number] = rods_[rod];
+  if (states_[island].lengths.find(number)) return nullptr;  // it was asked before
   const Scene& part = parts_[kind_number(states_[island])];
   const Rod& of = part.rods[number];
   if (!of.law.is_rigid()) return "it gives, where its island has joints or shapes";
@@ -32,9 +33,11 @@ const char* ContactSolver::keeps_length(std::uint32_t rod) const {
 void ContactSolver::set_length(Slot rod, double length, double rate) {
   const auto [island, number] = rods_[rod];
   LinkageState& state = states_[island];
-  const Scene& part = parts_[kind_number(state)];
-  state.lengths.set(number, static_cast<std::uint32_t>(part.rods.size()), rod_length(part, number), length,
-                    rate);
+  if (!state.lengths.change(number, length, rate)) {
+    const Scene& part = parts_[kind_number(state)];
+    state.lengths.set(number, static_cast<std::uint32_t>(part.rods.size()), rod_length(part, number), length,
+                      rate);
+  }
   state.energy.reset();
   if (rate != 0) clusters_.wake(island);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -24,28 +25,34 @@ class RodLengths {
 
   /// Lets one of `rods` be `length` (m) long at a step's start, and change it by `rate` (m/s).
   void set(std::uint32_t rod, std::uint32_t rods, double made, double length, double rate) {
-    auto at =
-        std::find_if(changes_.begin(), changes_.end(), [&](const Change& each) { return each.rod == rod; });
-    if (at == changes_.end()) at = changes_.insert(at, {.rod = rod, .made = made, .length = made});
-    at->length = length;
-    at->went = std::exchange(at->rate, rate);
     squares_.resize(rods, 1);
-    follow(0);
+    if (!find(rod))
+      changes_.insert(changes_.begin() + place_of(rod), {.rod = rod, .made = made, .length = made});
+    change(rod, length, rate);
+  }
+  /// Does so with a rod that has changed before. Returns false if it has not.
+  bool change(std::uint32_t rod, double length, double rate) {
+    if (!find(rod)) return false;
+    Change& of = changes_[static_cast<std::size_t>(place_of(rod))];
+    of.length = length;
+    of.went = std::exchange(of.rate, rate);
+    follow(of, 0);
+    return true;
+  }
+  /// Returns how a rod changes, or null.
+  const Change* find(std::uint32_t rod) const {
+    const auto at = static_cast<std::size_t>(place_of(rod));
+    return at < changes_.size() && changes_[at].rod == rod ? &changes_[at] : nullptr;
   }
   /// Lets rod `rod` of `rods` change as one of another island does, whose kind has it as long.
   void take(const Change& from, std::uint32_t rod, std::uint32_t rods) {
-    changes_.push_back(from);
-    changes_.back().rod = rod;
+    changes_.insert(changes_.begin() + place_of(rod), from)->rod = rod;
     squares_.resize(rods, 1);
     follow(0);
   }
   /// Finds how long rods are `t` (s) after the step's start.
   void follow(double t) {
-    for (Change& each : changes_) {
-      const double share = (each.length + t * each.rate) / each.made;
-      squares_[each.rod] = share * share;
-      each.half_square_rate = share * each.rate / each.made;
-    }
+    for (Change& each : changes_) follow(each, t);
   }
   /// Lets velocities at the step's start be those of the rates before it.
   void follow_last() {
@@ -94,7 +101,18 @@ class RodLengths {
   }
 
  private:
-  std::vector<Change> changes_;
+  std::ptrdiff_t place_of(std::uint32_t rod) const {
+    return std::partition_point(changes_.begin(), changes_.end(),
+                                [&](const Change& each) { return each.rod < rod; }) -
+           changes_.begin();
+  }
+  void follow(Change& of, double t) {
+    const double share = (of.length + t * of.rate) / of.made;
+    squares_[of.rod] = share * share;
+    of.half_square_rate = share * of.rate / of.made;
+  }
+
+  std::vector<Change> changes_;  ///< by rod
   std::vector<double> squares_;
 };
 

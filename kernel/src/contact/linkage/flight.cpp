@@ -99,15 +99,18 @@ void Flight::take_forbidden(LinkageState& state) {
   linkage.take_multipliers(right, 1, pulls_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_, pulls_);
-  if (state.pulls.counts) linkage.count_pulls(state.x, state.lengths.squares(), pulls_, 1, state.pulls);
+  if (!state.pulls.counts) return;
+  state.lengths.begin_pulls(state.pulls.rods);
+  linkage.count_pulls(state.x, state.lengths.squares(), pulls_, 1, state.pulls);
+  state.lengths.end_pulls(state.pulls.rods);
 }
 
 void Flight::follow_anchors(LinkageState& state) {
   const auto now = std::span(state.v).subspan(state.linkage->movable());
   if (std::equal(now.begin(), now.end(), state.anchors_went.begin()) && !state.lengths.jump()) return;
-  std::copy(now.begin(), now.end(), state.anchors_went.begin());
   unknowns_.assign(state.linkage->plan().columns(), simd::Quad{});
   if (state.factored || state.factor()) take_forbidden(state);
+  state.keep_given();  // The rest of the substep is at the new rates.
 }
 
 /// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.

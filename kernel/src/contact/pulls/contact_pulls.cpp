@@ -85,9 +85,8 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
 
 double ContactSolver::power_of_rod(std::uint32_t rod) const {
   const auto [island, number] = rods_[rod];
-  for (const RodLengths::Change& each : states_[island].lengths.changes())
-    if (each.rod == number) return mean(states_[island].pulls, each.work);
-  return 0;
+  const RodLengths::Change* const change = states_[island].lengths.find(number);
+  return change ? mean(states_[island].pulls, change->work) : 0;
 }
 
 bool ContactSolver::has_broken(std::uint32_t rod) const {

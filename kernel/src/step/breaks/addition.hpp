@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "contact/shapes/equal_capsules.hpp"
 #include "plumb/report.hpp"
 #include "plumb/scene.hpp"
-#include "contact/shapes/equal_capsules.hpp"
 
 namespace plumb::detail {
 
