@@ -60,10 +60,8 @@ class ContactSolver final : public Solver {
   const char* keeps_length(std::uint32_t rod) const;
   /// See Solver. Rods have their numbers in the scene.
   void set_length(Slot rod, double length, double rate) override;
-  /// Returns whether a shape of the scene is still there. Hulls follow capsules.
-  bool has_shape(std::uint32_t shape) const {
-    return shape < shapes_.size() && shapes_[shape].island != ended;
-  }
+  /// Returns whether a shape is still there, by its number among shapes.
+  bool has_shape(std::uint32_t i) const { return i < shapes_.size() && shapes_[i].island != ended; }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
   struct Made {
     std::uint32_t island;
@@ -256,7 +254,7 @@ class ContactSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return false; }
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses,
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, sums,
            numbers, grabs, states, visitors, is_plain, histories, first_slot, island_of, springs, torsions,
            angles, rods, pins, shapes, capsules, hulls, shape_ids, first_shape, rooms, ground_pushes,
            contacts, counts_pulls, counts_touches, lists_contacts, is_listed, clusters, pieces,
@@ -369,6 +367,7 @@ class ContactSolver final : public Solver {
   std::vector<Scene> parts_;  ///< of linkages: one island that is of this kind
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
+  std::vector<std::uint64_t> sums_;  ///< by linkage: over the likeness of its islands
   GivenNumbers numbers_;
   std::vector<IslandGrabs> grabs_;  ///< of islands that something grabs
   std::vector<LinkageState> states_;

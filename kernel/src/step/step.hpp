@@ -135,8 +135,8 @@ class Step {
   const Population& population() const { return population_; }
   double drag() const { return origin_->scene.drag; }
 
-  /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   bool has_contact() const { return compiled_.contact != nullptr; }
+  /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
   bool has_shape(std::uint32_t shape) const {
     return !compiled_.contact || compiled_.contact->has_shape(shape);

@@ -4,9 +4,11 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/scene_parts.hpp"
+#include "math/byte_sum.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -281,10 +283,18 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
 /// Returns a kind that is like a part, if there is one, or makes it.
 std::size_t ContactSolver::kind_like(const Scene& part) {
   const std::vector<double> numbers = likeness(part);
+  const auto sum_over = [](const std::vector<double>& of) {
+    return sum_of(std::as_bytes(std::span(of)), {});
+  };
+  const std::uint64_t sum = sum_over(numbers);
+  while (sums_.size() < parts_.size())  // those that the world began with
+    sums_.push_back(sum_over(likeness(parts_[sums_.size()])));
   for (std::size_t kind = 0; kind < parts_.size(); ++kind)
-    if (parts_[kind].particles.size() == part.particles.size() && likeness(parts_[kind]) == numbers)
-      return kind;
-  return add_kind(part);
+    if (sums_[kind] == sum && likeness(parts_[kind]) == numbers) return kind;
+  const std::size_t kind = add_kind(part);
+  sums_.resize(parts_.size());
+  sums_[kind] = sum;
+  return kind;
 }
 
 std::size_t ContactSolver::add_kind(const Scene& part) {
