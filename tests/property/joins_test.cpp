@@ -180,7 +180,7 @@ TEST(Joins, EndWithWhatTheyJoin) {
   world.remove(first + 3);
   EXPECT_EQ(world.info().islands, 1u);
   EXPECT_FALSE(world.has(joined));
-  EXPECT_FALSE(world.particle_handle(second + 2));
+  EXPECT_FALSE(world.handle<Particle>(second + 2));
   const std::uint32_t third = world.add(chains(1, 3)).particle;
   const Handle<Rod> waiting = world.join({.a = 3, .b = third + 3});
   world.remove(third + 1);
@@ -221,10 +221,10 @@ TEST(Joins, AreRefusedWithAReason) {
   for (const double x : {5, 6}) scene.particles.push_back(movable({x, 0, 0}));
   scene.springs.push_back({.a = point_at(14), .b = point_at(15), .stiffness = 1});
   World world(scene, {.threads = 1});
-  const Handle<Particle> gone = world.particle_handle(world.add(chains(1)).particle + 1);
+  const Handle<Particle> gone = world.handle<Particle>(world.add(chains(1)).particle + 1);
   world.remove(gone.number);
   const test::Snapshot before = test::snapshot_of(world);
-  expect_refusal("particle 17: was removed", [&] { world.join(gone, world.particle_handle(3)); });
+  expect_refusal("particle 17: was removed", [&] { world.join(gone, world.handle<Particle>(3)); });
   expect_refusal("particle 99: unknown", [&] { world.join({.a = 99, .b = 3}); });
   expect_refusal("both ends are particle 3", [&] { world.join({.a = 3, .b = 3}); });
   expect_refusal("(particles 0 and 7) are fixed", [&] { world.join({.a = 0, .b = 7}); });

@@ -28,7 +28,17 @@ double between(Random& random, double low, double high) {
   return low + (high - low) * (random() / 4294967296.0);
 }
 
-/// Ropes in the air, some with capsules, and some of those with a spring, which push nothing but each other.
+/// Appends a box of 0.2 kg with sides of 0.08 m.
+void add_crate(Scene& scene, Vec3 center) {
+  const double side = 0.08, moment = 0.2 * side * side / 6;
+  const std::uint32_t body =
+      add_body(scene, {.mass = 0.2, .center = center, .inertia = {.xx = moment, .yy = moment, .zz = moment}});
+  scene.hulls.push_back(
+      box_on_body(body, {.center = center, .half_size = {0.5 * side, 0.5 * side, 0.5 * side}}));
+}
+
+/// Ropes in the air, some with capsules, some of those with a spring, and maybe a box. They push nothing but
+/// each other.
 Scene random_scene(Random& random) {
   Scene scene;
   scene.gravity = {};
@@ -50,14 +60,41 @@ Scene random_scene(Random& random) {
       scene.springs.push_back(
           {.a = point_at(first), .b = point_at(first + 2), .length = 0.19, .stiffness = 3});
   }
+  if (below(random, 4) == 0) add_crate(scene, {0.1, -0.15, 0});
+  return scene;
+}
+
+/// A rope of three rods with capsules, which may give, bend or have a spring, or two boxes with a ball joint.
+Scene random_addition(Random& random) {
+  Scene scene;
+  const Vec3 from{between(random, -0.2, 0.4), between(random, -0.3, -0.1), between(random, -0.2, 0.2)};
+  const std::uint32_t kind = below(random, 5);
+  if (kind == 0) {
+    add_crate(scene, from);
+    add_crate(scene, from + Vec3{0.1, 0, 0});
+    const Vec3 between_them = from + Vec3{0.05, 0, 0};
+    add_spherical(scene, point_on_body(scene, 0, between_them), point_on_body(scene, 1, between_them));
+    for (Particle& each : scene.particles) each.velocity = {0, 1, 0};
+    return scene;
+  }
+  for (std::uint32_t i = 0; i <= 3; ++i)
+    scene.particles.push_back({.position = from + Vec3{0.1 * i, 0, 0}, .velocity = {0, 1, 0}, .mass = 0.1});
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
+    if (kind == 1) scene.rods.back().law = {.stiffness = 500, .damping = 0.1};
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+  }
+  if (kind == 2) scene.bends.push_back({.a = 0, .b = 1, .c = 2, .stiffness = 0.01});
+  if (kind == 3)
+    scene.springs.push_back({.a = point_at(0), .b = point_at(3), .length = 0.25, .stiffness = 3});
   return scene;
 }
 
 /// Worlds of one scene that are to stay alike, and what is known of their particles.
 struct Twins {
   World one, two;
-  std::vector<double> masses;
-  std::vector<std::uint32_t> ropes;  // at the start, by particle
+  std::vector<double> masses, of_bodies;  // kg; the former with the latter
+  std::vector<std::uint32_t> ropes;       // at the start, by particle
   std::vector<Handle<Particle>> gone;
   std::uint32_t rods;  // at the start, of 0.1 m each
   double frame = 1.0 / 240;
@@ -65,7 +102,7 @@ struct Twins {
   Vec3 momentum() const {
     Vec3 sum;
     for (std::uint32_t i = 0; i < one.particle_count(); ++i)
-      if (one.particle_handle(i)) sum += masses[i] * one.velocity(i);
+      if (one.handle<Particle>(i)) sum += masses[i] * one.velocity(i);
     return sum;
   }
 };
@@ -96,26 +133,30 @@ void change_settings(Twins& twins, Random& random) {
   }
 }
 
-/// Adds a rope of three rods with capsules to both, near the others.
-void add_rope(Twins& twins, Random& random) {
-  Scene scene;
-  const Vec3 from{between(random, -0.2, 0.4), between(random, -0.3, -0.1), between(random, -0.2, 0.2)};
-  for (std::uint32_t i = 0; i <= 3; ++i)
-    scene.particles.push_back({.position = from + Vec3{0.1 * i, 0, 0}, .velocity = {0, 1, 0}, .mass = 0.1});
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
-    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+/// Takes note of particles that a scene has from a number on.
+void note(Twins& twins, const Scene& scene, std::uint32_t first) {
+  for (std::vector<double>* const masses : {&twins.masses, &twins.of_bodies})
+    masses->resize(twins.one.particle_count());
+  twins.ropes.resize(twins.one.particle_count());
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+    twins.masses[first + i] = scene.particles[i].mass;
+    twins.of_bodies[first + i] = 0;
+    twins.ropes[first + i] = first;
   }
+  for (const Body& body : scene.bodies)
+    for (const std::uint32_t particle : body.particles) {
+      twins.of_bodies[first + particle] = 0.25 * body.mass;
+      twins.masses[first + particle] += 0.25 * body.mass;
+    }
+}
+
+/// Adds something to both, near the others.
+void add(Twins& twins, Random& random) {
+  const Scene scene = random_addition(random);
   Added first;
   const std::string why = test::refusal([&] { first = twins.one.add(scene); });
   EXPECT_EQ(why, test::refusal([&] { EXPECT_EQ(twins.two.add(scene), first); }));
-  if (!why.empty()) return;  // neither began with shapes
-  twins.masses.resize(twins.one.particle_count());
-  twins.ropes.resize(twins.one.particle_count());
-  for (std::uint32_t i = first.particle; i <= first.particle + 3; ++i) {
-    twins.masses[i] = 0.1;
-    twins.ropes[i] = first.particle;
-  }
+  if (why.empty()) note(twins, scene, first.particle);  // else neither began with shapes
 }
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
@@ -133,7 +174,8 @@ bool edit(Twins& twins, Random& random) {
     return false;
   }
   if (kind < 6) {
-    if (both([&](World& world) { world.set_mass(particle, mass); })) twins.masses[particle] = mass;
+    if (both([&](World& world) { world.set_mass(particle, mass); }))
+      twins.masses[particle] = mass + twins.of_bodies[particle];
     return true;
   }
   if (kind == 8) {
@@ -149,7 +191,7 @@ bool edit(Twins& twins, Random& random) {
     return true;
   }
   if (kind == 14) {
-    add_rope(twins, random);
+    add(twins, random);
     return false;
   }
   if (kind > 11) {
@@ -165,7 +207,7 @@ bool edit(Twins& twins, Random& random) {
     both([&](World& world) { world.join({.a = particle, .b = other}); });
     return false;
   }
-  const Handle<Particle> handle = twins.one.particle_handle(particle);
+  const Handle<Particle> handle = twins.one.handle<Particle>(particle);
   if (both([&](World& world) { world.remove(particle); })) {
     twins.gone.push_back(handle);
     EXPECT_FALSE(twins.one.has(handle));
@@ -203,8 +245,10 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
               {},
               {},
               {},
+              {},
               static_cast<std::uint32_t>(scene.rods.size())};
-  for (const Particle& particle : scene.particles) twins.masses.push_back(particle.mass);
+  note(twins, scene, 0);
+  twins.ropes.clear();
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
     const bool begins =
         std::none_of(scene.rods.begin(), scene.rods.end(), [&](const Rod& rod) { return rod.b == i; });
@@ -217,7 +261,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
     const Vec3 before = twins.momentum();
     bool has_fixed = false;
     for (std::uint32_t i = 0; i < twins.one.particle_count(); ++i)
-      has_fixed = has_fixed || (twins.one.particle_handle(i) && twins.one.velocity(i) == Vec3{});
+      has_fixed = has_fixed || (twins.one.handle<Particle>(i) && twins.one.velocity(i) == Vec3{});
     twins.one.step(twins.frame);
     twins.two.step(twins.frame);
     EXPECT_EQ(twins.one.state_hash(), twins.two.state_hash());
@@ -225,7 +269,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
       EXPECT_LE(norm(twins.momentum() - before), 1e-9);
     }
     for (std::uint32_t i = 0; i < twins.one.particle_count(); ++i)
-      if (twins.one.particle_handle(i)) {
+      if (twins.one.handle<Particle>(i)) {
         EXPECT_TRUE(is_finite(twins.one.position(i))) << i;
       }
     for (const Handle<Particle> handle : twins.gone)

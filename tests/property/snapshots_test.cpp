@@ -204,14 +204,14 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
   if (settings.tensions) world.copy_reactions(reactions);
   const std::vector<Vec3> positions = test::positions_of(world), velocities = test::velocities_of(world);
   for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
-    out.push_back(world.particle_handle(i).generation);
+    out.push_back(world.handle<Particle>(i).generation);
     add_vector(positions[i]);
     add_vector(velocities[i]);
     add_vector(reactions[i]);
   }
   for (std::uint32_t i = 0; i < world.rod_count(); ++i) {
-    out.push_back(world.rod_handle(i).generation);
-    if (!world.rod_handle(i)) continue;
+    out.push_back(world.handle<Rod>(i).generation);
+    if (!world.handle<Rod>(i)) continue;
     out.push_back(world.is_broken(i) ? 1 : 0);
     if (!settings.tensions) continue;
     add(world.tension(i));
@@ -222,7 +222,7 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
     add(problem.strain);
   }
   for (std::uint32_t i = 0; i < scene.tackles.size(); ++i)
-    if (world.particle_handle(scene.tackles[i].particles[0]).generation == 1) add(world.tackle_tension(i));
+    if (world.handle<Particle>(scene.tackles[i].particles[0]).generation == 1) add(world.tackle_tension(i));
   for (std::uint32_t i = 0; i < scene.reels.size(); ++i) add(world.reel_out(i));
   for (std::uint32_t i = 0; i < scene.twists.size(); ++i) add(world.twist(i));
   for (std::uint32_t i = 0; i < scene.torsions.size(); ++i) add(world.torsion_angle(i));

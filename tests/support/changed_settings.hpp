@@ -101,7 +101,7 @@ inline Motion motion_of(const World& world) {
 inline double apart(const World& one, const World& other) {
   double most = 0;
   for (std::uint32_t i = 0; i < one.particle_count(); ++i)
-    if (one.particle_handle(i)) most = std::max(most, norm(one.position(i) - other.position(i)));
+    if (one.handle<Particle>(i)) most = std::max(most, norm(one.position(i) - other.position(i)));
   return most;
 }
 

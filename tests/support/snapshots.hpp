@@ -96,7 +96,7 @@ class Player {
       world.add(rope);
     }
     for (int i = 0; i < 2; ++i)
-      if (const std::uint32_t particle = pick(world.particle_count()); world.particle_handle(particle))
+      if (const std::uint32_t particle = pick(world.particle_count()); world.handle<Particle>(particle))
         world.remove(particle);
   }
 

@@ -111,19 +111,35 @@ TEST(Addition, IsEqualInAllMembers) {
   Scene scene = chains(1, 3);
   scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 1}};
   scene.tackles = {{.particles = {1, 3}, .law = {.one_sided = true}}};
-  const detail::Addition one(scene, {.rod = 3});
-  EXPECT_TRUE(one == detail::Addition(one.scene({1, 2, 3}, 4), {.rod = 3}));
-  EXPECT_EQ(one.scene({1, 2, 3}, 4).gravity, (Vec3{1, 2, 3}));
+  scene.bodies.push_back({.mass = 1});
+  scene.pins.emplace_back();
+  scene.alignments.emplace_back();
+  scene.angles.emplace_back();
+  scene.springs.emplace_back();
+  scene.torsions.emplace_back();
+  scene.capsules.emplace_back();
+  scene.hulls.push_back({.points = {{}}});
+  const detail::Addition one(scene, {.rods = 3});
+  EXPECT_TRUE(one == detail::Addition(one.scene, {.rods = 3}));
   const auto differs = [&](auto&& change) {
     detail::Addition other = one;
     change(other);
     return !(one == other);
   };
-  EXPECT_TRUE(differs([](detail::Addition& of) { of.particles[1].velocity.z = 9; }));
-  EXPECT_TRUE(differs([](detail::Addition& of) { of.rods[2].law.strength = 9; }));
-  EXPECT_TRUE(differs([](detail::Addition& of) { of.bends[0].damping = 9; }));
-  EXPECT_TRUE(differs([](detail::Addition& of) { of.tackles[0].particles[0] = 2; }));
-  EXPECT_TRUE(differs([](detail::Addition& of) { of.first.bend = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.particles[1].velocity.z = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.rods[2].law.strength = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.bends[0].damping = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.tackles[0].particles[0] = 2; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.bodies[0].inertia.yz = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.pins[0].b.weights[3] = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.alignments[0].v.to.particles[0] = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.angles[0].damping = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.springs[0].one_sided = true; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.torsions[0].torque = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.capsules[0].surface.spinning = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.hulls[0].points[0].y = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.scene.hulls[0].filter.own_island = true; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.first.bends = 9; }));
 }
 
 TEST(Numbers, AreTheLowestInARow) {
@@ -150,8 +166,8 @@ TEST(Numbers, AreTheLowestInARow) {
 TEST(Log, ForgetsWhatWasAddedAndRemoved) {
   const auto added = [](std::uint32_t first, std::size_t particles) {
     detail::Split out;
-    out.added.emplace_back().first.particle = first;
-    out.added.back().particles.resize(particles);
+    out.added.emplace_back().first.particles = first;
+    out.added.back().scene.particles.resize(particles);
     return out;
   };
   detail::Log log;
@@ -433,10 +449,11 @@ TEST(Adding, RefusesWithAReason) {
   });
   refuses("reel 0: cannot be added", [](Scene& s) { s.reels = {{.particles = {0, 1, 2}}}; });
   refuses("plane 0: cannot be added", [](Scene& s) { s.planes.push_back({}); });
-  refuses("capsule 0: cannot be added",
+  refuses("particle 0: its island has shapes, bodies, joints or air, which cannot be added",
           [](Scene& s) { s.capsules = {{.a = point_at(1), .b = point_at(2), .radius = 0.1}}; });
   refuses("particle 3: sleeps", [](Scene& s) { s.particles[3].asleep = true; });
-  refuses("rod 1: is slowed by air", [](Scene& s) { s.rods[1].mass = s.rods[1].linear_drag = 1; });
+  refuses("particle 0: its island has shapes, bodies, joints or air, which cannot be added",
+          [](Scene& s) { s.rods[1].mass = s.rods[1].linear_drag = 1; });
   refuses("no particles", [](Scene& s) { s = {}; });
   EXPECT_EQ(world.state_hash(), before);
   EXPECT_EQ(world.particle_count(), 10u);
@@ -568,8 +585,8 @@ TEST(Removing, IsRefusedWithAReason) {
 
 TEST(Handles, AreRefusedOnceWhatTheyNameIsGone) {
   World world(chains(2, 4), {.threads = 1});
-  const Handle<Particle> particle = world.particle_handle(7);
-  const Handle<Rod> rod = world.rod_handle(5);
+  const Handle<Particle> particle = world.handle<Particle>(7);
+  const Handle<Rod> rod = world.handle<Rod>(5);
   EXPECT_TRUE(particle);
   EXPECT_FALSE(Handle<Particle>{});
   EXPECT_EQ(world.number(particle), 7u);
@@ -579,13 +596,13 @@ TEST(Handles, AreRefusedOnceWhatTheyNameIsGone) {
   EXPECT_FALSE(world.has(rod));
   expect_refusal("particle 7: was removed; its handle is of generation 1, now 2",
                  [&] { (void)world.number(particle); });
-  EXPECT_EQ(world.particle_handle(7), Handle<Particle>{});
-  EXPECT_EQ(world.rod_handle(5), Handle<Rod>{});
-  expect_refusal("particle 10: unknown", [&] { (void)world.particle_handle(10); });
+  EXPECT_EQ(world.handle<Particle>(7), Handle<Particle>{});
+  EXPECT_EQ(world.handle<Rod>(5), Handle<Rod>{});
+  expect_refusal("particle 10: unknown", [&] { (void)world.handle<Particle>(10); });
   EXPECT_EQ(world.add(chains(1, 4)), (Added{.particle = 5, .rod = 4}));
   expect_refusal("rod 5: was removed; its handle is of generation 1, now 3",
                  [&] { (void)world.number(rod); });
-  const Handle<Particle> later = world.particle_handle(7);
+  const Handle<Particle> later = world.handle<Particle>(7);
   EXPECT_FALSE(later == particle);
   EXPECT_TRUE(world.has(later));
   EXPECT_FALSE(world.has(Handle<Particle>{}));
@@ -610,7 +627,7 @@ TEST(Adding, IsKnownToSnapshots) {
     const Added first = world.add(more);
     test::run(world, frame, 2);
     world.remove(8);
-    const Handle<Particle> added = world.particle_handle(first.particle + 3);
+    const Handle<Particle> added = world.handle<Particle>(first.particle + 3);
     test::run(world, frame, 2);
     const test::Snapshot then = test::snapshot_of(world);
     test::run(world, frame, 5);

@@ -70,7 +70,7 @@ TEST(BulkState, IsThatOfEachParticleAfterEdits) {
       world.copy_positions(positions);
       world.copy_velocities(velocities);
       for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
-        const bool is_there = bool(world.particle_handle(i));
+        const bool is_there = bool(world.handle<Particle>(i));
         ASSERT_EQ(positions[i], is_there ? world.position(i) : Vec3{}) << what << ' ' << i;
         ASSERT_EQ(velocities[i], is_there ? world.velocity(i) : Vec3{}) << what << ' ' << i;
       }

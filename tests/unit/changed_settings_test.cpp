@@ -164,13 +164,13 @@ TEST(ChangedSettings, ComeBetweenEdits) {
     world.set_settings(after);
     EXPECT_TRUE(world.is_broken(2));
     const Added added = world.add(rope);
-    const Handle<Particle> handle = world.particle_handle(added.particle + 4);
+    const Handle<Particle> handle = world.handle<Particle>(added.particle + 4);
     world.cut(7);
     world.step(frame);
     world.set_settings(before);
     world.remove(15);
     world.set_settings(after);
-    EXPECT_FALSE(world.particle_handle(15));
+    EXPECT_FALSE(world.handle<Particle>(15));
     const Added again = world.add(rope);
     world.step(frame);
     const test::Motion motion = motion_of(world);

@@ -16,7 +16,7 @@
 /// what is added, and of how bodies move.
 namespace plumb {
 
-/// Names a Particle or a Rod of a World for good, where numbers are given anew once what had them is removed.
+/// Names a Particle, a Rod or the like of a World for good, where numbers are given anew once what had them is removed.
 /// It is a value, and one without members set names nothing.
 template <class Item>
 struct Handle {
@@ -45,7 +45,13 @@ struct Added {
   std::uint32_t rod = 0;       ///< Number of the first rod.
   std::uint32_t bend = 0;      ///< Number of the first bend.
   std::uint32_t tackle = 0;    ///< Number of the first tackle.
+  std::uint32_t body = 0;      ///< Number of the first body.
+  std::uint32_t pin = 0;       ///< Number of the first pin.
+  std::uint32_t angle = 0;     ///< Number of the first angle.
+  std::uint32_t spring = 0;    ///< Number of the first spring.
+  std::uint32_t torsion = 0;   ///< Number of the first torsion.
   std::uint32_t capsule = 0;   ///< Number of the first capsule.
+  std::uint32_t hull = 0;      ///< Number of the first hull.
 
   /// Returns whether all members are equal.
   friend constexpr bool operator==(const Added&, const Added&) = default;

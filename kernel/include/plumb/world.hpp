@@ -229,33 +229,31 @@ class PLUMB_API World {
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
-  /// Adds islands of particles, rods, bends, tackles and capsules at once, as a world of that scene begins.
-  /// Numbers are the lowest of removed ones that are free in a row, or new, and depend on nothing but what
-  /// was added and removed before. Gravity and ground are those of the world. Capsules are on particles and
-  /// rigid rods alone, in a world that began with ground or shapes. Throws InputError if validate() refuses
-  /// the scene, on other drag than that of the world, on anything else in it, and where the settings cannot
-  /// move it.
+  /// Adds islands at once, as a world of that scene begins, with all but twists and reels. Numbers are the
+  /// lowest of removed ones that are free in a row, or new, and depend on nothing but what was added and
+  /// removed before. Gravity and ground are those of the world. Throws InputError if validate() refuses the
+  /// scene, on ground, sleepers and other drag than the world's, and where the settings cannot move it. So it
+  /// does on shapes, bodies, joints, springs and air on rods in a world that began without any and without
+  /// ground.
   Added add(const Scene& scene);
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
   /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
   ///
-  /// Shapes of the island end, too. Throws InputError on islands with twists or reels, and on those with
-  /// joints, springs, air on rods, or shapes and rods that give.
+  /// Shapes, bodies, joints and springs of the island end, too. Throws InputError on islands with twists or
+  /// reels.
   void remove(std::uint32_t particle);
-  /// Returns what names a particle for good; nothing if it was removed. Throws InputError on an unknown one.
-  Handle<Particle> particle_handle(std::uint32_t particle) const;
-  /// Returns what names a rod for good; nothing if it was removed. Throws InputError on an unknown one.
-  Handle<Rod> rod_handle(std::uint32_t rod) const;
-  /// Returns the number of a particle. Throws InputError on a handle that names none, or one that was
+  /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
+  /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
+  template <class Item>
+  Handle<Item> handle(std::uint32_t number) const;
+  /// Returns the number of such an item. Throws InputError on a handle that names none, or one that was
   /// removed.
-  std::uint32_t number(Handle<Particle> particle) const;
-  /// Returns the number of a rod likewise.
-  std::uint32_t number(Handle<Rod> rod) const;
-  /// Returns whether a handle names a particle that is there.
-  bool has(Handle<Particle> particle) const;
-  /// Returns whether a handle names a rod that is there.
-  bool has(Handle<Rod> rod) const;
+  template <class Item>
+  std::uint32_t number(Handle<Item> item) const;
+  /// Returns whether a handle names an item that was not removed.
+  template <class Item>
+  bool has(Handle<Item> item) const;
 
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.
@@ -297,8 +295,8 @@ class PLUMB_API World {
   /// Returns the torque in N m that a torsion (Scene::torsions) puts on the side of `v`. See pin_force().
   double torsion_torque(std::uint32_t torsion) const;
   /// Returns the force in N with which all that touches a shape pushes it, averaged over the last step; zero
-  /// if nothing does. Shapes are those of Scene::capsules, then those of Scene::hulls. Throws InputError on
-  /// an unknown shape, or without Settings::tensions.
+  /// if nothing does. Shapes are those of Scene::capsules, then those of Scene::hulls, then capsules
+  /// and hulls that were added. Throws InputError on an unknown shape, or without Settings::tensions.
   Vec3 contact_force(std::uint32_t shape) const;
   /// Returns that of a shape or a piece of ground by name, so that ground is a scale. Of ground it is NaN
   /// before the first step. Throws InputError on a name that the scene does not have, or without
@@ -307,7 +305,7 @@ class PLUMB_API World {
   /// Returns whether edits have left a shape, as they do all ground. Throws InputError on an unknown name.
   bool has_shape(ShapeId shape) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
-  /// as the scene has shapes, or without Settings::tensions.
+  /// as the world has numbers of shapes, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;
 
   /// Returns the pairs of shapes, not their points, that touched in the last step, and those that did in the
@@ -346,7 +344,7 @@ class PLUMB_API World {
   /// Returns its velocity in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
   Vec3 velocity(std::uint32_t particle) const;
 
-  std::uint32_t body_count() const;  ///< Bodies of the scene.
+  std::uint32_t body_count() const;  ///< Numbers of bodies, with those that were removed.
   /// Returns where a body is: its centre of mass, and how it has turned since the scene, where its
   /// orientation is that of the axes of space. Of w, x, y, z the largest is positive. Where sweeps leave a
   /// strain, this is the rotation nearest to how its particles lie. Throws InputError on an unknown body.

@@ -51,7 +51,8 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       sleep_time_(settings.sleep_time),
       settings_(scaled(settings.contact)),
       time_order_(time_order_of(settings)),
-      surroundings_(scene) {
+      surroundings_(scene),
+      gradient_(gradient_for(settings)) {
   for (unsigned part = 0; part < settings.threads; ++part)
     movers_.push_back(make_mover(settings, isa_, settings_));
   std::map<std::vector<double>, const Linkage*> kinds;
@@ -72,17 +73,13 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
     ++uses_[kind_number(states_.back())];
-    if (!plain) states_.back().gradient = gradient_for(settings);
+    if (!plain) states_.back().gradient = gradient_;
     number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);
   }
-  own(parts.springs(), number_of, springs_);
-  own(parts.torsions(), number_of, torsions_);
-  own(parts.angles(), number_of, angles_);
-  own(parts.rods(), number_of, rods_);
-  name_shapes(parts, number_of);
+  name(parts, number_of);
   begin_pulls(settings);
   visitors_.resize(states_.size());
   rooms_.resize(states_.size());
@@ -341,9 +338,13 @@ bool ContactSolver::set_weights(Weights weights) {
 
 double ContactSolver::project_initial_velocities() {
   double largest = 0;
-  for (const std::uint32_t i : clusters_.awake())
-    if (!relaxes_ && is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
+  for (const std::uint32_t island : clusters_.awake())
+    if (is_plain_[island] == 0) largest = std::max(largest, project_initial_velocities(island));
   return largest;
+}
+
+double ContactSolver::project_initial_velocities(std::uint32_t island) {
+  return relaxes_ ? 0 : project_velocities(states_[island], work_);
 }
 
 }  // namespace plumb::detail

@@ -55,13 +55,18 @@ class ContactSolver final : public Solver {
   std::uint32_t movable_of(std::uint32_t island) const { return states_[island].linkage->movable(); }
   Slot first_slot(std::uint32_t island) const { return first_slot_[island]; }
   /// Returns whether a rod of the scene is here, wherever its island is now.
-  bool has_rod(std::uint32_t rod) const { return rod < rods_.size() && rods_[rod].island < ended; }
+  bool has_rod(std::uint32_t rod) const {
+    return rod < owners_.rods.size() && owners_.rods[rod].island < ended;
+  }
   /// Returns why such a rod cannot change its length, or null if it can.
   const char* keeps_length(std::uint32_t rod) const;
   /// See Solver. Rods have their numbers in the scene.
   void set_length(Slot rod, double length, double rate) override;
-  /// Returns whether a shape is still there, by its number among shapes.
-  bool has_shape(std::uint32_t i) const { return i < shapes_.size() && shapes_[i].island != ended; }
+  /// Returns whether a capsule or a hull is still there.
+  bool has_shape(ShapeId shape) const {
+    const std::vector<Owner>& owners = owners_of(shape);
+    return shape.number < owners.size() && owners[shape.number].island != ended;
+  }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
   struct Made {
     std::uint32_t island;
@@ -81,19 +86,11 @@ class ContactSolver final : public Solver {
     const auto anchors = surroundings_.anchored.anchors();
     return std::binary_search(anchors.begin(), anchors.end(), particle);
   }
-  /// Takes in plain islands with capsules, which are at home from the start on. Numbers of capsules are those
-  /// among shapes.
-  std::vector<Made> add(NamedPart part);
-  /// Returns the number among shapes of a capsule or hull of the scene. Capsules and hulls that the world
-  /// began with come first, then those capsules that were added.
-  std::uint32_t number_of(ShapeId shape) const {
-    if (shape.kind == ShapeKind::hull) return capsules_ + shape.number;
-    return shape.number < capsules_ ? shape.number : shape.number + hulls_;
-  }
-  /// Returns the numbers of an island's capsules, ascending.
-  std::vector<std::uint32_t> capsules_of(std::uint32_t island) const;
-  /// Ends a plain island that has these rods, among others, at a cost that does not grow with the world.
-  void end_plain(std::uint32_t island, std::span<const std::uint32_t> rods);
+  /// Takes in islands that are new. Those of particles and rods are plain, and at home from the start on; the
+  /// others move here alone.
+  std::vector<Made> add(const NamedPart& part);
+  /// Returns the scene's numbers of what an island has but its particles.
+  const ByKind<std::vector<std::uint32_t>>& names_of(std::uint32_t island) const { return names_[island]; }
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
@@ -160,8 +157,8 @@ class ContactSolver final : public Solver {
 
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
   bool has_pull(std::uint32_t rod) const {
-    if (rod >= rods_.size()) return false;  // joined where nothing has shapes
-    const std::uint32_t island = rods_[rod].island;
+    if (rod >= owners_.rods.size()) return false;  // joined where nothing has shapes
+    const std::uint32_t island = owners_.rods[rod].island;
     return island < ended && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }
   /// Returns whether a rod of the scene has broken here.
@@ -174,12 +171,13 @@ class ContactSolver final : public Solver {
   double angle_torque(std::uint32_t angle) const;
   Vec3 spring_force(std::uint32_t spring) const;
   double torsion_torque(std::uint32_t torsion) const;
-  Vec3 contact_force(std::uint32_t shape) const;
+  Vec3 contact_force(ShapeId shape) const;  ///< of a capsule or a hull
   /// Returns the force on ground, which has the opposite of what it pushes with.
   Vec3 force_on_ground(ShapeId ground) const { return ground_force(surroundings_.numbers.of(ground)); }
   std::span<const Contact> contacts() const { return contacts_.all(); }
   /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
+  double project_initial_velocities(std::uint32_t island);  ///< likewise, of an island that has no home
   /// Returns the slots of the scene's particles.
   std::vector<MadeSolver::Place> places() const;
   std::uint32_t island_count() const { return static_cast<std::uint32_t>(states_.size()); }
@@ -255,10 +253,9 @@ class ContactSolver final : public Solver {
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
     auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, sums,
-           numbers, grabs, states, visitors, is_plain, histories, first_slot, island_of, springs, torsions,
-           angles, rods, pins, shapes, capsules, hulls, shape_ids, first_shape, rooms, ground_pushes,
-           contacts, counts_pulls, counts_touches, lists_contacts, is_listed, clusters, pieces,
-           work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+           numbers, grabs, states, visitors, is_plain, histories, first_slot, island_of, owners, names, rooms,
+           gradient, ground_pushes, contacts, counts_pulls, counts_touches, lists_contacts, is_listed,
+           clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);
@@ -278,13 +275,9 @@ class ContactSolver final : public Solver {
     double best_substep = 0;
   };
 
-  /// Says where a spring, torsion or angle of the scene is: an island, and its number there.
+  /// Says where something of the scene is: an island, and its number there among those of its kind.
   struct Owner {
     std::uint32_t island, number;
-  };
-  /// So many slots and shapes fit behind the first ones of a number.
-  struct Room {
-    std::size_t slots = 0, shapes = 0;
   };
   /// Says where a particle was that moves: an island, and its number there.
   using Whereabouts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -294,8 +287,8 @@ class ContactSolver final : public Solver {
   void take_laws(const ContactSolver& from);
   NamedPart named_part(std::uint32_t island) const;
   static void edit(NamedPart& part, const PartEdits& edits);
-  template <class F>
-  void replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f);
+  template <class IsPlain, class F>
+  void replace(std::span<const std::uint32_t> islands, const NamedPart& by, IsPlain&& plain, F&& f);
   void retire(std::uint32_t island);
   void end_island(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
@@ -303,7 +296,10 @@ class ContactSolver final : public Solver {
   std::size_t add_kind(const Scene& part);
   void make_room(std::uint32_t count);
   std::uint32_t begin_island(std::size_t kind, const Scene& part, bool plain);
-  ShapeId id_of_shape(std::uint32_t number) const;
+  ShapeId id_of(std::uint32_t island, std::uint32_t shape) const;
+  const std::vector<Owner>& owners_of(ShapeId shape) const {
+    return shape.kind == ShapeKind::hull ? owners_.hulls : owners_.capsules;
+  }
   void rename(const NamedPart& part, const SceneParts& parts, std::span<const std::uint32_t> numbers);
   void wake_with_laws(LinkageState& state);
   IslandGrabs& grabs_of(std::uint32_t island);
@@ -316,13 +312,8 @@ class ContactSolver final : public Solver {
   /// Returns a mean over the last step of what an island counts.
   template <class Number>
   static Number mean(const LinkagePulls& pulls, const Number& sum);
-  static void own(std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> number_of,
-                  std::vector<Owner>& owners) {
-    for (const auto& [part, number] : shares)
-      owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
-  }
-  /// Lets joints and shapes of the scene be found in islands.
-  void name_shapes(const SceneParts& parts, std::span<const std::uint32_t> number_of);
+  /// Lets what the scene has be found in islands, and the other way round.
+  void name(const SceneParts& parts, std::span<const std::uint32_t> number_of);
   /// Begins to count what the settings ask for.
   void begin_pulls(const Settings& settings);
   Vec3 ground_force(std::uint32_t ground) const;
@@ -374,15 +365,13 @@ class ContactSolver final : public Solver {
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
   std::vector<History> histories_;
-  std::vector<Slot> first_slot_;                    ///< by island's number
-  std::vector<std::uint32_t> island_of_;            ///< the island of each slot
-  std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
-  std::vector<Owner> rods_, pins_, shapes_;         ///< likewise
-  std::uint32_t capsules_ = 0, hulls_ = 0;          ///< with which the world began, and shapes begin
-  std::vector<ShapeId> shape_ids_;                  ///< of the shapes of all islands
-  std::vector<std::uint32_t> first_shape_;          ///< by island's number: where its own begin
-  std::vector<Room> rooms_;                         ///< by island's number
-  std::vector<Vec3> ground_pushes_;                 ///< N, by ground; none before the first step
+  std::vector<Slot> first_slot_;                           ///< by island's number
+  std::vector<std::uint32_t> island_of_;                   ///< the island of each slot
+  ByKind<std::vector<Owner>> owners_;                      ///< by their numbers in the scene
+  std::vector<ByKind<std::vector<std::uint32_t>>> names_;  ///< by island's number: those of what it has
+  std::vector<std::size_t> rooms_;   ///< by island's number: slots that fit behind its first one
+  Gradient gradient_;                ///< that of islands without a home
+  std::vector<Vec3> ground_pushes_;  ///< N, by ground; none before the first step
   ContactList contacts_;
   bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made

@@ -57,7 +57,6 @@ struct PLUMB_HIDDEN Drawing::Impl {
 
   void read(const World& world);
   bool is_there(std::uint32_t particle) const { return step->population().particles.has(particle); }
-  bool is_there(const Point& point) const;
   Vec3 place(const Point& point) const { return position_of(point, positions); }
   const Standing& standing(std::uint32_t a, std::uint32_t b) const {
     return standings[step->is_fixed(a) ? b : a];
@@ -89,10 +88,11 @@ void Drawing::Impl::read(const World& world) {
   std::sort(frozen.begin(), frozen.end());
 }
 
-bool Drawing::Impl::is_there(const Point& point) const {
-  for (std::size_t k = 0; k < 4; ++k)
-    if (point.weights[k] != 0 && !is_there(point.particles[k])) return false;
-  return true;
+/// Calls f for those of a list that the world has.
+template <class Item, class F>
+void for_those(const std::vector<Item>& list, const detail::Numbers& numbers, F&& f) {
+  for (std::uint32_t i = 0; i < list.size(); ++i)
+    if (numbers.has(i)) f(list[i]);
 }
 
 Color Drawing::Impl::shown(Color color, const Standing& of, bool may_freeze) const {
@@ -147,33 +147,32 @@ void Drawing::Impl::draw_cords() {
     for (std::size_t k = 1; k < over.size(); ++k)
       canvas->line(positions[over[k - 1]], positions[over[k]], color);
   }
-  for (const Spring& spring : scene.springs)
-    if (is_there(spring.a) && is_there(spring.b))
-      canvas->line(place(spring.a), place(spring.b), shown(choice->colors.cord, spring.a, spring.b, true));
+  for_those(scene.springs, step->population().springs, [&](const Spring& spring) {
+    canvas->line(place(spring.a), place(spring.b), shown(choice->colors.cord, spring.a, spring.b, true));
+  });
 }
 
 void Drawing::Impl::draw_joints() {
   const Scene& scene = step->scene();
   const Color color = choice->colors.joint;
-  for (const Pin& pin : scene.pins)
-    if (is_there(pin.a)) canvas->point(place(pin.a), shown(color, pin.a, pin.b));
+  const detail::Population& all = step->population();
+  for_those(scene.pins, all.pins,
+            [&](const Pin& pin) { canvas->point(place(pin.a), shown(color, pin.a, pin.b)); });
   const auto draw = [&](const Direction& way) {
-    if (is_there(way.from) && is_there(way.to))
-      canvas->line(place(way.from), place(way.to), shown(color, way.from, way.to));
+    canvas->line(place(way.from), place(way.to), shown(color, way.from, way.to));
   };
-  for (const Alignment& alignment : scene.alignments) {
+  for_those(scene.alignments, all.alignments, [&](const Alignment& alignment) {
     draw(alignment.u);
     draw(alignment.v);
-  }
-  for (const Torsion& torsion : scene.torsions) draw(torsion.axis);
+  });
+  for_those(scene.torsions, all.torsions, [&](const Torsion& torsion) { draw(torsion.axis); });
 }
 
 void Drawing::Impl::draw_bodies(const World& world) {
   const Scene& scene = step->scene();
   for (std::uint32_t i = 0; i < world.body_count(); ++i) {
     const auto& particles = scene.bodies[i].particles;
-    if (!std::all_of(particles.begin(), particles.end(), [&](std::uint32_t p) { return is_there(p); }))
-      continue;
+    if (!step->population().bodies.has(i)) continue;
     const Point all{particles, {1, 1, 1, 1}};
     const Color color = shown(choice->colors.body, all, all);
     const Pose pose = world.pose(i);

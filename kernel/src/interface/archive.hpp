@@ -167,4 +167,24 @@ class Archive {
   ByteSum sum_;
 };
 
+/// Returns the bytes of what an archive lists of something.
+template <class T>
+std::vector<std::byte> saved(const T& from) {
+  auto& of = const_cast<T&>(from);  // which is read alone
+  Archive measured = Archive::measure();
+  measured(of);
+  std::vector<std::byte> bytes(measured.size());
+  Archive save = Archive::save(bytes);
+  save(of);
+  return bytes;
+}
+
+/// Copies what an archive lists of something.
+template <class T>
+void copy_listed(const T& from, T& to) {
+  const std::vector<std::byte> bytes = saved(from);
+  Archive restored = Archive::restore(bytes);
+  restored(to);
+}
+
 }  // namespace plumb::detail

@@ -27,7 +27,7 @@ Bare::Bare(const Scene& scene, const QuerySettings& settings)
       finds_particles_(settings.particle_radius > 0),
       shown_rods_(scene.rods.size()),
       shown_particles_(scene.particles.size()),
-      first_capsules_(scene.capsules.size()) {
+      first_(sizes_of(scene)) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const Capsule& capsule : scene.capsules) {
     const std::vector<std::uint32_t> particles = particles_of(capsule);
@@ -41,16 +41,13 @@ Bare::Bare(const Scene& scene, const QuerySettings& settings)
     }
   for (std::size_t i = 0; i < scene.rods.size(); ++i)
     shown_rods_[i] = pairs.contains(std::minmax(scene.rods[i].a, scene.rods[i].b)) ? 1 : 0;
-  find(scene,
-       {Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(0), Numbers(0),
-        Numbers(scene.capsules.size())},
-       {});
+  find(scene, population_of(scene), [](ShapeId) { return true; });
 }
 
-void Bare::find(const Scene& now, const Population& population, std::span<const std::uint8_t> ended) {
+void Bare::find(const Scene& now, const Population& population, const HasShape& has_shape) {
   rods_.clear();
   particles_.clear();
-  find_capsules(now, population, ended);
+  find_added(now, population, has_shape);
   const auto has = [](const auto& list, const auto& each) {
     return std::binary_search(list.begin(), list.end(), each);
   };
@@ -67,19 +64,31 @@ void Bare::find(const Scene& now, const Population& population, std::span<const 
         particles_.push_back(i);
 }
 
-void Bare::find_capsules(const Scene& now, const Population& population,
-                         std::span<const std::uint8_t> ended) {
-  capsules_.clear();
+void Bare::find_added(const Scene& now, const Population& population, const HasShape& has_shape) {
+  shapes_.clear();
   added_pairs_.clear();
   added_at_.clear();
-  for (std::uint32_t i = 0; i < now.capsules.size(); ++i) {
-    const bool is_of_scene = i < first_capsules_ && population.capsules.is_first(i);
-    if (is_of_scene || !population.capsules.has(i) || (i < ended.size() && ended[i] != 0)) continue;
-    capsules_.push_back({i, now.capsules[i]});
+  const auto for_added = [](std::size_t count, std::uint32_t first, const Numbers& numbers, auto&& f) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (numbers.has(i) && (i >= first || !numbers.is_first(i))) f(i);
+  };
+  for_added(now.capsules.size(), first_.capsules, population.capsules, [&](std::uint32_t i) {
+    if (!has_shape({ShapeKind::capsule, i})) return;
+    shapes_.push_back({{ShapeKind::capsule, i}, population.capsules.generation(i)});
     const std::vector<std::uint32_t> particles = particles_of(now.capsules[i]);
     added_at_.insert(added_at_.end(), particles.begin(), particles.end());
     if (particles.size() == 2) added_pairs_.emplace_back(particles[0], particles[1]);
-  }
+  });
+  for_added(now.hulls.size(), first_.hulls, population.hulls, [&](std::uint32_t i) {
+    if (has_shape({ShapeKind::hull, i}))
+      shapes_.push_back({{ShapeKind::hull, i}, population.hulls.generation(i)});
+  });
+  for_added(now.bodies.size(), first_.bodies, population.bodies, [&](std::uint32_t i) {
+    for (const std::uint32_t a : now.bodies[i].particles) {
+      added_at_.push_back(a);
+      for (const std::uint32_t b : now.bodies[i].particles) added_pairs_.push_back(std::minmax(a, b));
+    }
+  });
   std::sort(added_pairs_.begin(), added_pairs_.end());
   std::sort(added_at_.begin(), added_at_.end());
 }

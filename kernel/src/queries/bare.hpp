@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,27 +13,28 @@
 namespace plumb::detail {
 
 /// Lists what of a world the scene of queries does not tell: the rods and particles that no shape and no body
-/// shows, and the capsules that were added since.
+/// shows, and the capsules and hulls that were added since.
 class Bare {
  public:
   Bare(const Scene& scene, const QuerySettings& settings);
 
-  /// Takes those that are there, in the scene as it is now. Capsules with a byte in `ended` are not.
-  void find(const Scene& now, const Population& population, std::span<const std::uint8_t> ended);
+  using HasShape = std::function<bool(ShapeId)>;
+  /// Takes those that are there, in the scene as it is now.
+  void find(const Scene& now, const Population& population, const HasShape& has_shape);
 
   std::span<const BareRod> rods() const { return rods_; }
   std::span<const std::uint32_t> particles() const { return particles_; }
-  std::span<const AddedCapsule> capsules() const { return capsules_; }
+  std::span<const AddedShape> shapes() const { return shapes_; }
 
  private:
-  void find_capsules(const Scene& now, const Population& population, std::span<const std::uint8_t> ended);
+  void find_added(const Scene& now, const Population& population, const HasShape& has_shape);
 
   bool finds_rods_, finds_particles_;
   std::vector<std::uint8_t> shown_rods_, shown_particles_;  ///< of the scene
   std::vector<BareRod> rods_;
   std::vector<std::uint32_t> particles_;
-  std::size_t first_capsules_;  ///< those of the scene
-  std::vector<AddedCapsule> capsules_;
+  ByKind<std::uint32_t> first_;  ///< how many the scene has
+  std::vector<AddedShape> shapes_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       added_pairs_;                      ///< particles that those join, ascending
   std::vector<std::uint32_t> added_at_;  ///< particles that they are at, ascending

@@ -23,8 +23,9 @@ using detail::Thing;
 struct PLUMB_HIDDEN Queries::Impl {
   Impl(const Scene& scene, const QuerySettings& settings);
 
-  /// Lists bare rods and particles, and takes everything where it is.
-  void follow();
+  /// Lists bare rods and particles, and shapes of the scene `now` that were added, and takes everything where
+  /// it is.
+  void follow(const Scene& now);
   Hit cast(const Probe& probe, const QueryFilter& filter) const;
   Hit hit(const Probe& probe, const detail::Nearest& nearest) const;
   Hit closest(Vec3 from, double within, const QueryFilter& filter) const;
@@ -38,10 +39,10 @@ struct PLUMB_HIDDEN Queries::Impl {
   detail::Things things;
   detail::Bare bare;
   detail::QueryTree tree;
-  std::vector<Thing> ordered;   ///< as the hierarchy has them, so that neighbours lie side by side
-  std::size_t particles, rods;  ///< of the scene; a world may have more
+  std::vector<Thing> ordered;           ///< as the hierarchy has them, so that neighbours lie side by side
+  detail::ByKind<std::uint32_t> sizes;  ///< of the scene; a world may have more
   std::vector<Vec3> positions;
-  std::vector<std::uint8_t> replaced, gone, ended;  ///< by particle of the scene, by rod, and by capsule
+  std::vector<std::uint8_t> gone, ended_capsules, ended_hulls;  ///< by rod, and by shape of the scene
   std::vector<Pose> platforms;
 };
 
@@ -90,19 +91,19 @@ detail::SolidBox solid_box(Vec3 center, const QueryBox& box) {
 Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
     : things(scene, settings),
       bare(scene, settings),
-      particles(scene.particles.size()),
-      rods(scene.rods.size()),
-      replaced(scene.particles.size()),
+      sizes(detail::sizes_of(scene)),
       gone(scene.rods.size()),
-      ended(scene.capsules.size()),
+      ended_capsules(scene.capsules.size()),
+      ended_hulls(scene.hulls.size()),
       platforms(scene.platforms) {
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  follow();
+  follow(scene);
 }
 
-void Queries::Impl::follow() {
-  const bool are_others = things.list_bare(bare.rods(), bare.particles(), bare.capsules()) || ordered.empty();
-  things.update({positions, replaced, gone, ended, platforms});
+void Queries::Impl::follow(const Scene& now) {
+  const bool are_others =
+      things.list_bare(now, bare.rods(), bare.particles(), bare.shapes()) || ordered.empty();
+  things.update({positions, gone, ended_capsules, ended_hulls, platforms});
   if (!are_others) tree.fit(things.bounds());
   if (are_others || tree.is_worn()) tree.build(things.bounds());
   ordered.clear();
@@ -201,27 +202,32 @@ void Queries::update(const World& world) {
   const auto require = [](std::size_t has, std::size_t want, const char* what) {
     if (has < want) refuse("the world has ", has, " ", what, ", and the scene of these queries has ", want);
   };
-  require(world.particle_count(), of.particles, "particles");
-  require(world.rod_count(), of.rods, "rods");
+  require(world.particle_count(), of.sizes.particles, "particles");
+  require(world.rod_count(), of.sizes.rods, "rods");
   // A world refuses what it does not have. Nothing of this has changed by then.
   std::vector<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
-  if (const auto capsules = static_cast<std::uint32_t>(of.ended.size()); capsules > 0)
-    static_cast<void>(world.has_shape({ShapeKind::capsule, capsules - 1}));
+  for (const auto& [kind, count] :
+       {std::pair(ShapeKind::capsule, of.sizes.capsules), std::pair(ShapeKind::hull, of.sizes.hulls)})
+    if (count > 0) static_cast<void>(world.has_shape({kind, count - 1}));
   for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms[i] = world.platform(i);
   of.positions.resize(world.particle_count());
   world.copy_positions(of.positions);
   const detail::Step& step = *world.impl_->step;
   const detail::Population& population = step.population();
-  // Numbers of what was removed may be those of what was added since.
-  for (std::uint32_t i = 0; i < of.particles; ++i) of.replaced[i] = population.particles.is_first(i) ? 0 : 1;
   of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
     of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;
-  of.ended.resize(std::max<std::size_t>(of.ended.size(), population.capsules.count()));
-  for (std::uint32_t i = 0; i < of.ended.size(); ++i) of.ended[i] = !world.has_shape({ShapeKind::capsule, i});
-  of.bare.find(step.scene(), population, of.ended);
-  of.follow();
+  // Numbers of what was removed may be those of what was added since.
+  const auto list_ended = [&](ShapeKind kind, const detail::Numbers& numbers,
+                              std::vector<std::uint8_t>& out) {
+    for (std::uint32_t i = 0; i < out.size(); ++i)
+      out[i] = !numbers.is_first(i) || !step.has_shape({kind, i}) ? 1 : 0;
+  };
+  list_ended(ShapeKind::capsule, population.capsules, of.ended_capsules);
+  list_ended(ShapeKind::hull, population.hulls, of.ended_hulls);
+  of.bare.find(step.scene(), population, [&](ShapeId shape) { return step.has_shape(shape); });
+  of.follow(step.scene());
 }
 
 Hit Queries::cast_ray(const Ray& ray, const QueryFilter& filter) const {

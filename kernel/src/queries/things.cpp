@@ -12,20 +12,14 @@ QueryTarget shape_of(ShapeKind list, std::size_t i) {
   return {QueryTarget::Kind::shape, list, static_cast<std::uint32_t>(i)};
 }
 
-/// Returns whether a place hangs on a particle that a byte marks.
-bool is_any(const Combination& place, std::span<const std::uint8_t> marks) {
-  return std::any_of(place.terms.begin(), place.terms.begin() + place.count,
-                     [&](const Combination::Term& term) { return marks[term.particle] != 0; });
-}
-
 }  // namespace
 
 Things::Things(const Scene& scene, const QuerySettings& settings)
     : rod_radius_(settings.rod_radius), particle_radius_(settings.particle_radius), platforms_(scene) {
-  add_shapes(scene);
+  for (std::size_t i = 0; i < scene.capsules.size(); ++i) add_capsule(scene, i);
+  for (std::size_t i = 0; i < scene.hulls.size(); ++i) add_hull(scene, i);
   add_ground(scene);
-  first_bare_ = things_.size();
-  first_bare_number_ = targets_.size();
+  first_ = {things_.size(), targets_.size(), lines_.size(), carried_.size(), solids_.size()};
   poses_ = scene.platforms;
   bounds_.resize(things_.size());
   // What does not move is taken now.
@@ -54,34 +48,34 @@ std::uint32_t Things::add_solid(ShapeKind list, std::size_t i, const Filter& fil
                    solids_.size() - 1);
 }
 
-void Things::add_shapes(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.capsules.size(); ++i) {
-    const Capsule& each = scene.capsules[i];
-    const std::uint32_t thing = add_thing(shape_of(ShapeKind::capsule, i), each.filter,
-                                          {.radius = each.radius, .form = Thing::Form::capsule});
-    lines_.push_back({thing, combination(each.a), combination(each.b)});
-  }
-  // Convex shapes point to hulls, which must stay where they are.
-  hulls_.reserve(scene.hulls.size() + scene.ground_hulls.size());
-  for (std::size_t i = 0; i < scene.hulls.size(); ++i) add_hull(scene, i);
+void Things::add_capsule(const Scene& scene, std::size_t i) {
+  const Capsule& each = scene.capsules[i];
+  const std::uint32_t thing = add_thing(shape_of(ShapeKind::capsule, i), each.filter,
+                                        {.radius = each.radius, .form = Thing::Form::capsule});
+  lines_.push_back({thing, combination(each.a), combination(each.b)});
 }
 
 void Things::add_hull(const Scene& scene, std::size_t i) {
   const Hull& each = scene.hulls[i];
-  const ConvexHull& hull = hulls_.emplace_back(each.points);
-  add_solid(ShapeKind::hull, i, each.filter, each.radius);
+  const auto solid = static_cast<std::uint32_t>(solids_.size());
+  const std::uint32_t thing = add_solid(ShapeKind::hull, i, each.filter, each.radius);
   Carried& out = carried_.emplace_back();
+  out.thing = thing;
+  out.solid = solid;
+  out.hull = ConvexHull(each.points);
   out.particles = scene.bodies[each.body].particles;
   std::array<Vec3, 4> places;
   for (std::size_t k = 0; k < 4; ++k) places[k] = scene.particles[out.particles[k]].position;
   const Barycentric barycentric(places);
-  for (const Vec3 v : hull.vertices()) out.corners.push_back(barycentric.weights(v));
+  for (const Vec3 v : out.hull.vertices()) out.corners.push_back(barycentric.weights(v));
   out.vertices.resize(out.corners.size());
-  out.normals.resize(hull.parts().faces());
+  out.normals.resize(out.hull.parts().faces());
 }
 
 void Things::add_ground(const Scene& scene) {
   first_box_ = solids_.size();
+  first_box_thing_ = things_.size();
+  ground_hulls_.reserve(scene.ground_hulls.size());
   home_planes_ = scene.planes;
   for (std::size_t i = 0; i < scene.planes.size(); ++i) {
     const Plane& each = scene.planes[i];
@@ -106,7 +100,7 @@ void Things::add_ground(const Scene& scene) {
   for (std::size_t i = 0; i < scene.ground_hulls.size(); ++i) {
     const GroundHull& each = scene.ground_hulls[i];
     add_solid(ShapeKind::ground_hull, i, each.filter, each.radius);
-    solids_.back() = hulls_.emplace_back(each.points).shape(each.radius);
+    solids_.back() = ground_hulls_.emplace_back(each.points).shape(each.radius);
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i)
     add_mesh(ShapeKind::mesh, i, scene.meshes[i],
@@ -122,28 +116,31 @@ void Things::add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, Mes
   add_thing(shape_of(list, i), mesh.filter, {.form = Thing::Form::mesh}, meshes_.size() - 1);
 }
 
-bool Things::list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles,
-                       std::span<const AddedCapsule> capsules) {
+bool Things::list_bare(const Scene& now, std::span<const BareRod> rods,
+                       std::span<const std::uint32_t> particles, std::span<const AddedShape> shapes) {
   if (std::equal(rods.begin(), rods.end(), rods_.begin(), rods_.end()) &&
       std::equal(particles.begin(), particles.end(), particles_.begin(), particles_.end()) &&
-      std::equal(capsules.begin(), capsules.end(), added_.begin(), added_.end()))
+      std::equal(shapes.begin(), shapes.end(), added_.begin(), added_.end()))
     return false;
-  added_.assign(capsules.begin(), capsules.end());
+  added_.assign(shapes.begin(), shapes.end());
   rods_.assign(rods.begin(), rods.end());
   particles_.assign(particles.begin(), particles.end());
-  things_.resize(first_bare_);
-  targets_.resize(first_bare_number_);
-  filters_.resize(first_bare_number_);
-  index_.resize(first_bare_number_);
+  things_.resize(first_.things);
+  targets_.resize(first_.numbers);
+  filters_.resize(first_.numbers);
+  index_.resize(first_.numbers);
+  lines_.resize(first_.lines);
+  carried_.resize(first_.carried);
+  solids_.resize(first_.solids);
   const auto add_line = [&](QueryTarget::Kind kind, std::uint32_t number, double radius) {
     add_thing({kind, ShapeKind::capsule, number}, {}, {.radius = radius, .form = Thing::Form::gone});
   };
   for (const BareRod& rod : rods_) add_line(QueryTarget::Kind::rod, rod.rod, rod_radius_);
   for (const std::uint32_t particle : particles_)
     add_line(QueryTarget::Kind::particle, particle, particle_radius_);
-  for (const AddedCapsule& each : added_)
-    add_thing(shape_of(ShapeKind::capsule, each.number), each.of.filter,
-              {.radius = each.of.radius, .form = Thing::Form::gone});
+  for (const AddedShape& each : added_)
+    each.shape.kind == ShapeKind::hull ? add_hull(now, each.shape.number)
+                                       : add_capsule(now, each.shape.number);
   bounds_.resize(things_.size());
   return true;
 }
@@ -159,34 +156,36 @@ void Things::update(const Whereabouts& now) {
   };
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     const auto& [thing, a, b] = lines_[i];
-    const bool is_there = now.ended[i] == 0 && !is_any(a, now.replaced) && !is_any(b, now.replaced);
-    put(thing, a.of(now.positions), b.of(now.positions), is_there);
+    const bool has_ended = i < now.ended_capsules.size() && now.ended_capsules[i] != 0;
+    put(thing, a.of(now.positions), b.of(now.positions), !has_ended);
   }
-  std::size_t bare = first_bare_;
+  std::size_t bare = first_.things;
   for (const BareRod& each : rods_)
     put(bare++, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
   for (const std::uint32_t particle : particles_)
     put(bare++, now.positions[particle], now.positions[particle], true);
-  for (const AddedCapsule& each : added_)
-    put(bare++, combination(each.of.a).of(now.positions), combination(each.of.b).of(now.positions), true);
-  move_hulls(now.positions);
+  move_hulls(now);
   move_platforms(now.platforms);
 }
 
-void Things::move_hulls(std::span<const Vec3> positions) {
+void Things::move_hulls(const Whereabouts& now) {
   for (std::size_t i = 0; i < carried_.size(); ++i) {
     Carried& each = carried_[i];
+    Thing& thing = things_[each.thing];
+    Bounds& bounds = bounds_[each.thing];
+    thing.form = Thing::Form::gone;
+    bounds = nowhere;
+    if (i < now.ended_hulls.size() && now.ended_hulls[i] != 0) continue;
     std::array<Vec3, 4> places;
-    for (std::size_t k = 0; k < 4; ++k) places[k] = positions[each.particles[k]];
+    for (std::size_t k = 0; k < 4; ++k) places[k] = now.positions[each.particles[k]];
     for (std::size_t k = 0; k < each.corners.size(); ++k)
       each.vertices[k] = weighted(each.corners[k], places);
-    const ConvexParts& parts = hulls_[i].parts();
+    const ConvexParts& parts = each.hull.parts();
     find_normals(parts, each.vertices, each.normals);
-    Thing& thing = things_[lines_.size() + i];  // hulls follow capsules
-    solids_[i] = {each.vertices, each.normals, &parts, thing.radius};
+    solids_[each.solid] = {each.vertices, each.normals, &parts, thing.radius};
     thing.form = Thing::Form::solid;
-    bounds_[lines_.size() + i] = around(thing);
-    if (bounds_[lines_.size() + i].is_empty()) thing.form = Thing::Form::gone;
+    bounds = around(thing);
+    if (bounds.is_empty()) thing.form = Thing::Form::gone;
   }
 }
 
@@ -201,12 +200,11 @@ void Things::move_platforms(std::span<const Pose> platforms) {
       planes_[i].normal = now.normal;
       planes_[i].offset = now.offset;
     }
-  const std::size_t first = lines_.size() + carried_.size();  // boxes follow hulls
   for (std::size_t i = 0; i < boxes_.size(); ++i)
     if (const auto platform = home_boxes_[i].motion.platform) {
       const Surroundings::Solid now = posed(home_boxes_[i], platforms_.at(*platform, 0));
       boxes_[i] = SolidBox(now.center, now.half, now.frame);
-      bounds_[first + i] = around(things_[first + i]);
+      bounds_[first_box_thing_ + i] = around(things_[first_box_thing_ + i]);
     }
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
 #include "contact/linkage/combination.hpp"
 #include "contact/platforms/platforms.hpp"
 #include "contact/shapes/bounds.hpp"
-#include "contact/shapes/equal_capsules.hpp"
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/meshes/triangle_mesh.hpp"
 #include "contact/surroundings.hpp"
@@ -41,19 +41,18 @@ struct BareRod {
   friend bool operator==(const BareRod&, const BareRod&) = default;
 };
 
-/// This is a capsule that was added since the scene, by its number in the world and with the world's
-/// particles.
-struct AddedCapsule {
-  std::uint32_t number;
-  Capsule of;
-  friend bool operator==(const AddedCapsule&, const AddedCapsule&) = default;
+/// This is a capsule or hull that was added since the scene.
+struct AddedShape {
+  ShapeId shape;
+  std::uint32_t generation;  ///< of its number
+  friend bool operator==(const AddedShape&, const AddedShape&) = default;
 };
 
-/// Says where a world is. Particles that are no more those of the scene, rods that are out, and capsules that
-/// ended, are bytes other than 0.
+/// Says where a world is. Rods that are out, and capsules and hulls of the scene that ended, are bytes other
+/// than 0.
 struct Whereabouts {
   std::span<const Vec3> positions;  ///< m, by particle
-  std::span<const std::uint8_t> replaced, gone, ended;
+  std::span<const std::uint8_t> gone, ended_capsules, ended_hulls;
   std::span<const Pose> platforms;
 };
 
@@ -63,10 +62,10 @@ class Things {
   /// Takes shapes and ground of a scene. Bare rods and particles are listed apart.
   Things(const Scene& scene, const QuerySettings& settings);
 
-  /// Lists the bare rods and particles that there are, and the capsules that were added, ascending. Returns
-  /// whether they are others than last time; the list then has others, too.
-  bool list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles,
-                 std::span<const AddedCapsule> capsules);
+  /// Lists the bare rods and particles that there are, and the shapes of the scene `now` that were added.
+  /// Returns whether they are others than last time; the list then has others, too.
+  bool list_bare(const Scene& now, std::span<const BareRod> rods, std::span<const std::uint32_t> particles,
+                 std::span<const AddedShape> shapes);
   /// Takes everything where it is.
   void update(const Whereabouts& now);
 
@@ -94,6 +93,8 @@ class Things {
   };
   /// A hull goes where the particles of its body do.
   struct Carried {
+    std::uint32_t thing = 0, solid = 0;
+    ConvexHull hull;  ///< as it is in the scene
     std::array<std::uint32_t, 4> particles;
     std::vector<std::array<double, 4>> corners;  ///< weights of the particles
     std::vector<Vec3> vertices, normals;         ///< now
@@ -103,12 +104,12 @@ class Things {
   std::uint32_t add_thing(const QueryTarget& target, const Filter& filter, const Thing& thing,
                           std::size_t index = 0);
   std::uint32_t add_solid(ShapeKind list, std::size_t i, const Filter& filter, double radius);
-  void add_shapes(const Scene& scene);
+  void add_capsule(const Scene& scene, std::size_t i);
   void add_hull(const Scene& scene, std::size_t i);
   void add_ground(const Scene& scene);
   void add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, MeshSides sides);
   void move_platforms(std::span<const Pose> platforms);
-  void move_hulls(std::span<const Vec3> positions);
+  void move_hulls(const Whereabouts& now);
   Bounds around(const Thing& thing) const;
 
   std::vector<QueryTarget> targets_;
@@ -117,18 +118,21 @@ class Things {
   std::vector<Thing> things_;
   std::vector<Bounds> bounds_;
   std::vector<Line> lines_;
-  std::size_t first_bare_ = 0, first_bare_number_ = 0;  ///< in the list, and in the order of targets
-  double rod_radius_, particle_radius_;                 ///< m
+  /// Says how many of each the scene has: what is bare or was added comes after these.
+  struct Counts {
+    std::size_t things = 0, numbers = 0, lines = 0, carried = 0, solids = 0;
+  } first_;
+  double rod_radius_, particle_radius_;  ///< m
   std::vector<BareRod> rods_;
   std::vector<std::uint32_t> particles_;
-  std::vector<AddedCapsule> added_;
-  std::vector<Carried> carried_;
-  /// Of solids, which are hulls on bodies, boxes and hulls of the ground in this order: their shapes now, and
-  /// the first box.
+  std::vector<AddedShape> added_;
+  std::deque<Carried> carried_;  ///< Convex shapes point to what must stay where it is.
+  /// Of solids, which are hulls on bodies, boxes, hulls of the ground and added hulls in this order: their
+  /// shapes now, and the first box.
   std::vector<Convex> solids_;
-  std::size_t first_box_ = 0;
-  std::vector<ConvexHull> hulls_;  ///< as they are in the scene
-  std::vector<SolidBox> boxes_;    ///< now
+  std::size_t first_box_ = 0, first_box_thing_ = 0;
+  std::vector<ConvexHull> ground_hulls_;
+  std::vector<SolidBox> boxes_;  ///< now
   std::vector<TriangleMesh> meshes_;
   std::vector<std::uint32_t> wide_;
   std::vector<PlaneNow> planes_;

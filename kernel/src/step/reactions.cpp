@@ -10,13 +10,9 @@ namespace plumb::detail {
 Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(scene.gravity) {
   if (!settings.tensions) return;
   add_rods(scene, mass_model_of(settings));
-  add_bodies(scene);
-  sort();
-}
-
-void Reactions::sort() {
-  std::stable_sort(held_.begin(), held_.end(),
-                   [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
+    add_body(scene, i, [&](std::uint32_t particle) { return scene.particles[particle].fixed; });
+  std::stable_sort(held_.begin(), held_.end(), comes_first);
 }
 
 void Reactions::add_rods(const Scene& scene, MassModel model) {
@@ -24,24 +20,6 @@ void Reactions::add_rods(const Scene& scene, MassModel model) {
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     if (!reeled.empty() && reeled[i] != 0) continue;  // what is out pulls as its solver says
     add_rod(scene, model, i, [&](std::uint32_t particle) { return scene.particles[particle].fixed; });
-  }
-}
-
-/// What fixed particles of a body share with each other counts as the own mass of both.
-void Reactions::add_bodies(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const auto& particles = scene.bodies[i].particles;
-    const auto mass = body_mass(scene, i);
-    const auto is_fixed = [&](std::size_t k) { return scene.particles[particles[k]].fixed; };
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (!is_fixed(j)) continue;
-      double own = 0;
-      for (std::size_t k = 0; k < 4; ++k) own += is_fixed(k) ? mass[j][k] : 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (is_fixed(k)) continue;
-        held_.push_back({particles[j], no_rod, particles[k], std::exchange(own, 0), mass[j][k]});
-      }
-    }
   }
 }
 
@@ -61,6 +39,12 @@ void Reactions::remove(std::uint32_t anchor, std::span<const std::uint32_t> rods
                   begin, end,
                   [&](const Held& held) { return std::binary_search(rods.begin(), rods.end(), held.rod); }),
               end);
+}
+
+void Reactions::remove_bodies_of(std::span<const std::uint32_t> particles) {
+  std::erase_if(held_, [&](const Held& held) {
+    return held.rod == no_rod && std::binary_search(particles.begin(), particles.end(), held.other);
+  });
 }
 
 Vec3 Reactions::holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const {

@@ -71,15 +71,19 @@ class Reactions {
   void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, const Anchors& anchors) {
     const std::size_t before = held_.size();
     add_rod(scene, model, rod, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
-    if (held_.size() == before) return;
-    held_.back().anchor_velocity = anchors.last_velocity(held_.back().anchor);
-    const auto place =
-        std::upper_bound(held_.begin(), held_.end() - 1, held_.back(),
-                         [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
-    std::rotate(place, held_.end() - 1, held_.end());
+    insert_from(before, anchors);
+  }
+  /// Looks at a body that is new. Its particles have the world's numbers.
+  template <class Anchors>
+  void insert_body(const Scene& scene, std::uint32_t body, const Anchors& anchors) {
+    const std::size_t before = held_.size();
+    add_body(scene, body, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
+    insert_from(before, anchors);
   }
   /// Forgets what hangs from an anchor by rods that are listed, which ascend.
   void remove(std::uint32_t anchor, std::span<const std::uint32_t> rods);
+  /// Forgets what hangs from anchors by bodies of particles that are listed, which ascend.
+  void remove_bodies_of(std::span<const std::uint32_t> particles);
 
   /// Returns the force (N) on the anchor that balances a rod's mean pull (N) and its mass, after a step of
   /// `dt` (s) that led the other end to `way` and `velocity`.
@@ -94,9 +98,33 @@ class Reactions {
     const RodMass mass = rod_mass(scene, number, model);
     held_.push_back({from_a ? a : b, number, from_a ? b : a, from_a ? mass.aa : mass.bb, mass.ab});
   }
-  void sort();
+  /// What fixed particles of a body share with each other counts as the own mass of both.
+  template <class IsFixed>
+  void add_body(const Scene& scene, std::uint32_t number, IsFixed&& is_fixed) {
+    const auto& particles = scene.bodies[number].particles;
+    if (std::none_of(particles.begin(), particles.end(), is_fixed)) return;
+    const auto mass = body_mass(scene, number);
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (!is_fixed(particles[j])) continue;
+      double own = 0;
+      for (std::size_t k = 0; k < 4; ++k) own += is_fixed(particles[k]) ? mass[j][k] : 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (is_fixed(particles[k])) continue;
+        held_.push_back({particles[j], no_rod, particles[k], std::exchange(own, 0), mass[j][k]});
+      }
+    }
+  }
+  /// Puts those from the place `from` on in the order of anchors.
+  template <class Anchors>
+  void insert_from(std::size_t from, const Anchors& anchors) {
+    for (std::size_t i = from; i < held_.size(); ++i)
+      held_[i].anchor_velocity = anchors.last_velocity(held_[i].anchor);
+    const auto middle = held_.begin() + static_cast<std::ptrdiff_t>(from);
+    std::stable_sort(middle, held_.end(), comes_first);
+    std::inplace_merge(held_.begin(), middle, held_.end(), comes_first);
+  }
+  static bool comes_first(const Held& first, const Held& second) { return first.anchor < second.anchor; }
   void add_rods(const Scene& scene, MassModel model);
-  void add_bodies(const Scene& scene);
 
   Vec3 gravity_;
   std::vector<Held> held_;  ///< by anchor

@@ -58,8 +58,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       breaks_(origin_->scene, settings),
       gravity_(scene.gravity),
       next_gravity_(gravity_),
-      population_{Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(scene.bends.size()),
-                  Numbers(scene.tackles.size()), Numbers(scene.capsules.size())},
+      population_(population_of(scene)),
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;

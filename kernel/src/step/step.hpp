@@ -127,20 +127,20 @@ class Step {
 
   // --- What is added and removed at once (breaks/additions.cpp)
 
-  /// Adds islands. The scene is valid. Throws InputError if the settings cannot move them.
-  Added add(const Scene& scene);
+  /// Adds islands. The scene is valid. Throws InputError if the settings cannot move them. Returns the first
+  /// number of each kind.
+  ByKind<std::uint32_t> add(const Scene& scene);
   /// Removes the island of a movable particle, or a fixed one from which nothing hangs. Throws InputError
   /// where an island cannot be removed. Returns the particles that are gone.
   std::vector<std::uint32_t> remove(std::uint32_t particle);
   const Population& population() const { return population_; }
   double drag() const { return origin_->scene.drag; }
+  double joint_drag() const { return origin_->scene.joint_drag; }
 
   bool has_contact() const { return compiled_.contact != nullptr; }
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
-  bool has_shape(std::uint32_t shape) const {
-    return !compiled_.contact || compiled_.contact->has_shape(shape);
-  }
+  bool has_shape(ShapeId shape) const { return !compiled_.contact || compiled_.contact->has_shape(shape); }
   /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
   Vec3 force_on_ground(ShapeId ground) const {
     return compiled_.contact ? compiled_.contact->force_on_ground(ground) : Vec3{};
@@ -221,7 +221,7 @@ class Step {
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
   void take_along(const Edits& edits);
-  void put_parts(std::span<const ContactSolver::Made> made);
+  std::uint32_t put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
                                            std::span<const std::uint32_t> touched, std::uint32_t& islands);
@@ -236,7 +236,9 @@ class Step {
   void measure_size(const Scene& scene);
   void relate_errors();
   Removed take_away(std::uint32_t particle);
-  void put_shapes(Split& now, const Fallen& numbers);
+  Removed list_island(std::uint32_t particle) const;
+  void tell_of(const Removed& names);
+  void put_in_contact(Split& now, Removed names);
   bool holds_ground(std::uint32_t anchor) const {
     return compiled_.contact && compiled_.contact->holds_ground(anchor);
   }

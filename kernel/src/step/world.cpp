@@ -37,14 +37,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->take(settings);
-  impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
-  impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
-  impl_->pins = static_cast<std::uint32_t>(scene.pins.size());
-  impl_->angles = static_cast<std::uint32_t>(scene.angles.size());
-  impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
-  impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
-  impl_->shapes = static_cast<std::uint32_t>(scene.capsules.size() + scene.hulls.size());
   for (const std::size_t count : {scene.capsules.size(), scene.hulls.size(), scene.planes.size(),
                                   scene.boxes.size(), scene.ground_capsules.size(), scene.ground_hulls.size(),
                                   scene.meshes.size(), scene.height_fields.size()})
@@ -176,17 +169,21 @@ double World::twist(std::uint32_t twist) const {
 }
 void World::set_spring(std::uint32_t number, const Spring& spring) {
   detail::require_sound(spring, number);
+  Impl::require_there(impl_->step->population().springs, "spring", number);
   impl_->step->set_law(number, spring);
 }
 void World::set_torsion(std::uint32_t number, const Torsion& torsion) {
   detail::require_sound(torsion, number);
+  Impl::require_there(impl_->step->population().torsions, "torsion", number);
   impl_->step->set_law(number, torsion);
 }
 void World::set_angle(std::uint32_t number, const AngleControl& angle) {
   detail::require_sound(angle, number);
+  Impl::require_there(impl_->step->population().angles, "angle", number);
   impl_->step->set_law(number, angle);
 }
 double World::torsion_angle(std::uint32_t number) const {
+  Impl::require_there(impl_->step->population().torsions, "torsion", number);
   return impl_->step->torsion_angle(number);
 }
 
@@ -197,8 +194,8 @@ double World::tension(std::uint32_t rod) const {
 }
 void World::copy_tensions(std::span<double> out) const {
   impl_->require_tensions();
-  if (out.size() != impl_->rods)
-    refuse("tensions of ", impl_->rods, " rods cannot be copied into ", out.size(), " elements");
+  if (out.size() != rod_count())
+    refuse("tensions of ", rod_count(), " rods cannot be copied into ", out.size(), " elements");
   impl_->step->copy_pulls(out);
 }
 double World::power(std::uint32_t rod) const {
@@ -242,28 +239,28 @@ void World::copy_reactions(std::span<Vec3> out) const {
 }
 
 Vec3 World::pin_force(std::uint32_t pin) const {
-  return impl_->contact(impl_->pins, "pin", pin).pin_force(pin);
+  return impl_->contact(impl_->step->population().pins, "pin", pin).pin_force(pin);
 }
 double World::angle_torque(std::uint32_t angle) const {
-  return impl_->contact(impl_->angles, "angle", angle).angle_torque(angle);
+  return impl_->contact(impl_->step->population().angles, "angle", angle).angle_torque(angle);
 }
 Vec3 World::spring_force(std::uint32_t spring) const {
-  return impl_->contact(impl_->springs, "spring", spring).spring_force(spring);
+  return impl_->contact(impl_->step->population().springs, "spring", spring).spring_force(spring);
 }
 double World::torsion_torque(std::uint32_t torsion) const {
-  return impl_->contact(impl_->torsions, "torsion", torsion).torsion_torque(torsion);
+  return impl_->contact(impl_->step->population().torsions, "torsion", torsion).torsion_torque(torsion);
 }
 Vec3 World::contact_force(std::uint32_t shape) const {
-  return impl_->contact(impl_->shapes, "shape", shape).contact_force(shape);
+  Impl::require_one_of(impl_->shape_count(), "shape", shape);
+  return contact_force(impl_->shape(shape));
 }
 Vec3 World::contact_force(ShapeId shape) const {
-  if (const auto number = impl_->moving_shape(shape)) return contact_force(*number);
+  const bool moves = impl_->moves(shape);
   impl_->require_tensions();
-  return impl_->step->force_on_ground(shape);
+  return moves ? impl_->step->contact().contact_force(shape) : impl_->step->force_on_ground(shape);
 }
 bool World::has_shape(ShapeId shape) const {
-  const auto number = impl_->moving_shape(shape);
-  return !number || impl_->step->has_shape(*number);
+  return !impl_->moves(shape) || impl_->step->has_shape(shape);
 }
 std::span<const Contact> World::contacts() const {
   if (!impl_->contacts) refuse("contacts are not known: Settings::contacts asks for them");
@@ -275,9 +272,10 @@ std::span<const Event> World::events() const {
 }
 void World::copy_contact_forces(std::span<Vec3> out) const {
   impl_->require_tensions();
-  if (out.size() != impl_->shapes)
-    refuse("contact forces of ", impl_->shapes, " shapes cannot be copied into ", out.size(), " elements");
-  for (std::uint32_t i = 0; i < impl_->shapes; ++i) out[i] = impl_->step->contact().contact_force(i);
+  const std::uint32_t shapes = impl_->shape_count();
+  if (out.size() != shapes)
+    refuse("contact forces of ", shapes, " shapes cannot be copied into ", out.size(), " elements");
+  for (std::uint32_t i = 0; i < shapes; ++i) out[i] = impl_->step->contact().contact_force(impl_->shape(i));
 }
 
 std::vector<Problem> World::problems(double most_strain) const {
@@ -288,7 +286,7 @@ std::uint32_t World::particle_count() const {
   return static_cast<std::uint32_t>(impl_->fixed.size());
 }
 std::uint32_t World::rod_count() const {
-  return impl_->rods;
+  return impl_->step->population().rods.count();
 }
 double World::time() const {
   return impl_->time;

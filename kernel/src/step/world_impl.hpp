@@ -27,9 +27,8 @@ struct PLUMB_HIDDEN World::Impl {
   std::unique_ptr<detail::Step> step;
   std::vector<std::uint8_t> fixed;
   Precision precision = Precision::double_;
-  std::uint32_t rods = 0, tackles = 0, twists = 0;
-  std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
-  std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.
+  std::uint32_t twists = 0;
+  std::vector<std::uint32_t> of_kind;    ///< Shapes and ground with which it began, by ShapeKind.
   std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
   std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
   detail::BodyPoses bodies;
@@ -58,25 +57,22 @@ struct PLUMB_HIDDEN World::Impl {
   static void archive_own(detail::Archive& archive, Impl& of);
 
   void require_known(std::uint32_t particle) const {
-    require_one_of(static_cast<std::uint32_t>(fixed.size()), "particle", particle);
     require_there(step->population().particles, "particle", particle);
   }
+  /// Refuses the number of what the world does not have, or no more.
   static void require_there(const detail::Numbers& numbers, const char* what, std::uint32_t number) {
+    require_one_of(numbers.count(), what, number);
     if (!numbers.has(number)) detail::refuse(what, ' ', number, ": was removed");
   }
-  /// Lets lists have as many particles, rods and tackles as there are numbers.
+  /// Lets lists have as many particles as there are numbers.
   void fit_numbers();
   void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
     require_known(particle);
     if ((fixed[particle] != 0) != want_fixed)
       detail::refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
   }
-  void require_rod(std::uint32_t rod) const {
-    require_one_of(rods, "rod", rod);
-    require_there(step->population().rods, "rod", rod);
-  }
+  void require_rod(std::uint32_t rod) const { require_there(step->population().rods, "rod", rod); }
   void require_tackle(std::uint32_t tackle) const {
-    require_one_of(tackles, "tackle", tackle);
     require_there(step->population().tackles, "tackle", tackle);
   }
   void require_reel(std::uint32_t reel) const {
@@ -86,16 +82,34 @@ struct PLUMB_HIDDEN World::Impl {
     if (body >= bodies.count())
       detail::refuse("body ", body, ": unknown, the world has ", bodies.count(),
                      bodies.count() == 1 ? " body" : " bodies");
+    require_there(step->population().bodies, "body", body);
   }
-  /// Returns the number of a capsule or hull among the scene's shapes, or nothing of ground.
-  std::optional<std::uint32_t> moving_shape(ShapeId shape) const {
+  /// Returns whether a shape moves, as capsules and hulls do. Refuses an unknown one.
+  bool moves(ShapeId shape) const {
     const auto kind = static_cast<std::size_t>(shape.kind);
     if (kind >= of_kind.size()) detail::refuse("shape ", shape.number, ": its kind ", kind, " is unknown");
-    if (shape.number >= of_kind[kind])
-      detail::refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", of_kind[kind],
+    const bool is_capsule = shape.kind == ShapeKind::capsule, is_hull = shape.kind == ShapeKind::hull;
+    const detail::Population& all = step->population();
+    const std::uint32_t count = is_capsule ? all.capsules.count()
+                                : is_hull  ? all.hulls.count()
+                                           : of_kind[kind];
+    if (shape.number >= count)
+      detail::refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", count,
                      " of them");
-    if (shape.kind != ShapeKind::capsule && shape.kind != ShapeKind::hull) return {};
-    return step->has_contact() ? step->contact().number_of(shape) : shape.number;
+    return is_capsule || is_hull;
+  }
+  std::uint32_t shape_count() const {
+    return step->population().capsules.count() + step->population().hulls.count();
+  }
+  /// Names a shape by its number among all: capsules and hulls with which the world began, then capsules and
+  /// hulls that were added.
+  ShapeId shape(std::uint32_t number) const {
+    const std::uint32_t capsules = of_kind[0], hulls = of_kind[1];
+    if (number < capsules) return {ShapeKind::capsule, number};
+    if (number < capsules + hulls) return {ShapeKind::hull, number - capsules};
+    const std::uint32_t all = step->population().capsules.count();
+    if (number < all + hulls) return {ShapeKind::capsule, number - hulls};
+    return {ShapeKind::hull, number - all};
   }
   void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
   /// Refuses a number that the world does not have. `what` is one of them, `all` how many it has.
@@ -103,9 +117,10 @@ struct PLUMB_HIDDEN World::Impl {
     if (number >= all)
       detail::refuse(what, ' ', number, ": unknown, the world has ", all, ' ', what, all == 1 ? "" : "s");
   }
-  /// Returns what knows the forces of joints and contacts, for one that the scene has.
-  const detail::ContactSolver& contact(std::uint32_t all, const char* what, std::uint32_t number) const {
-    require_one_of(all, what, number);
+  /// Returns what knows the forces of joints, for one that the world has.
+  const detail::ContactSolver& contact(const detail::Numbers& all, const char* what,
+                                       std::uint32_t number) const {
+    require_there(all, what, number);
     require_tensions();
     return step->contact();
   }

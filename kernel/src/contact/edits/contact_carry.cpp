@@ -9,19 +9,6 @@
 namespace plumb::detail {
 namespace {
 
-/// Copies what an archive lists of something.
-template <class T>
-void copy_listed(const T& from, T& to) {
-  auto& of = const_cast<T&>(from);  // which is read alone
-  Archive measured = Archive::measure();
-  measured(of);
-  std::vector<std::byte> bytes(measured.size());
-  Archive saved = Archive::save(bytes);
-  saved(of);
-  Archive restored = Archive::restore(bytes);
-  restored(to);
-}
-
 /// Copies how elastics pull and are numbered, where as many are there.
 void copy_range(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
                 Linkage::ElasticRange made) {
@@ -118,11 +105,11 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
 /// Takes what programs changed of springs and their like, how often they turned, and what broke.
 void ContactSolver::take_laws(const ContactSolver& from) {
   const auto for_both = [&](const std::vector<Owner>& of, const std::vector<Owner>& were, auto&& f) {
-    for (std::size_t i = 0; i < of.size(); ++i)
+    for (std::size_t i = 0; i < std::min(of.size(), were.size()); ++i)
       if (of[i].island < ended && were[i].island < ended)
         f(from.states_[were[i].island], were[i].number, states_[of[i].island], of[i].number);
   };
-  for_both(rods_, from.rods_,
+  for_both(owners_.rods, from.owners_.rods,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
              const auto made = state.linkage->elastic_of_rod(own), had = was.linkage->elastic_of_rod(old);
              if (!made || !had) return;
@@ -132,18 +119,18 @@ void ContactSolver::take_laws(const ContactSolver& from) {
              copy_range(was, range(*had), state, range(*made));
              if (!was.broken.empty() && !state.broken.empty()) state.broken[*made] = was.broken[*had];
            });
-  for_both(angles_, from.angles_,
+  for_both(owners_.angles, from.owners_.angles,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
              copy_range(was, was.linkage->elastics_of_angle(old), state,
                         state.linkage->elastics_of_angle(own));
              state.angle_rules[own] = was.angle_rules[old];
            });
-  for_both(springs_, from.springs_,
+  for_both(owners_.springs, from.owners_.springs,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
              copy_range(was, was.linkage->elastics_of_spring(old), state,
                         state.linkage->elastics_of_spring(own));
            });
-  for_both(torsions_, from.torsions_,
+  for_both(owners_.torsions, from.owners_.torsions,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
              copy_range(was, was.linkage->elastics_of_torsion(old), state,
                         state.linkage->elastics_of_torsion(own));

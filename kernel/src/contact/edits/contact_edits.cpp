@@ -34,24 +34,24 @@ void copy_laws(const LinkageState& from, const NamedPart& whole, const ScenePart
     for (std::uint32_t i = 0; i < shares.size(); ++i)
       if (shares[i].part == number) f(i, shares[i].number);
   };
-  for_own(parts.rods(), [&](std::uint32_t i, std::uint32_t own) {
+  for_own(parts.shares().rods, [&](std::uint32_t i, std::uint32_t own) {
     const auto made = now.elastic_of_rod(own), old = before.elastic_of_rod(whole.rods_were[i]);
     if (!made || !old || whole.scene.rods[i].law.stiffness == 0) return;
     copy_elastics(from, *old, to, *made, 1);
     if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*old];
   });
-  for_own(parts.rods(), [&](std::uint32_t i, std::uint32_t own) {
+  for_own(parts.shares().rods, [&](std::uint32_t i, std::uint32_t own) {
     if (const RodLengths::Change* const change = from.lengths.find(whole.rods_were[i]))
       to.lengths.take(*change, own, now.rods());
   });
-  for_own(parts.angles(), [&](std::uint32_t i, std::uint32_t own) {
+  for_own(parts.shares().angles, [&](std::uint32_t i, std::uint32_t own) {
     copy(before.elastics_of_angle(i), now.elastics_of_angle(own));
     to.angle_rules[own] = from.angle_rules[i];
   });
-  for_own(parts.springs(), [&](std::uint32_t i, std::uint32_t own) {
+  for_own(parts.shares().springs, [&](std::uint32_t i, std::uint32_t own) {
     copy(before.elastics_of_spring(i), now.elastics_of_spring(own));
   });
-  for_own(parts.torsions(), [&](std::uint32_t i, std::uint32_t own) {
+  for_own(parts.shares().torsions, [&](std::uint32_t i, std::uint32_t own) {
     copy(before.elastics_of_torsion(i), now.elastics_of_torsion(own));
   });
   to.follow_elastics();
@@ -112,46 +112,21 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
   NamedPart out;
   out.scene = parts_[kind];
-  out.particles = states_[island].particles;
   out.scene.gravity = linkages_[kind]->gravity();
-  const auto list = [&](const std::vector<Owner>& owners, std::vector<std::uint32_t>& to, std::size_t count) {
-    to.resize(count);
-    for (std::uint32_t i = 0; i < owners.size(); ++i)
-      if (owners[i].island == island) to[owners[i].number] = i;
-  };
-  list(rods_, out.rods, out.scene.rods.size());
-  out.rods_were.resize(out.rods.size());
+  out.names = names_[island];
+  out.names.particles = states_[island].particles;
+  out.rods_were.resize(out.names.rods.size());
   std::iota(out.rods_were.begin(), out.rods_were.end(), 0u);
-  list(pins_, out.pins, out.scene.pins.size());
-  list(angles_, out.angles, out.scene.angles.size());
-  list(springs_, out.springs, out.scene.springs.size());
-  list(torsions_, out.torsions, out.scene.torsions.size());
-  std::vector<std::uint32_t> shapes;
-  list(shapes_, shapes, out.scene.capsules.size() + out.scene.hulls.size());
-  const auto hulls = shapes.begin() + static_cast<std::ptrdiff_t>(out.scene.capsules.size());
-  out.capsules.assign(shapes.begin(), hulls);
-  out.hulls.assign(hulls, shapes.end());
   return out;
 }
 
 /// Lets nothing move an island any more, nor find it.
 void ContactSolver::retire(std::uint32_t island) {
   if (states_[island].linkage == nullptr) return;
-  end_island(island);
-  for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
-    for (Owner& owner : *owners)
-      if (owner.island == island) owner.island = ended;
-}
-
-void ContactSolver::end_plain(std::uint32_t island, std::span<const std::uint32_t> rods) {
-  for (const std::uint32_t capsule : capsules_of(island))
-    shapes_[number_of({ShapeKind::capsule, capsule})].island = ended;
-  for (const std::uint32_t rod : rods)
-    if (has_rod(rod) && rods_[rod].island == island) rods_[rod].island = ended;
-  end_island(island);
-}
-
-void ContactSolver::end_island(std::uint32_t island) {
+  for (std::size_t kind = 0; kind < owners_.kinds; ++kind)
+    for (const std::uint32_t name : *names_[island].all()[kind])
+      if (Owner& owner = (*owners_.all()[kind])[name]; owner.island == island) owner.island = ended;
+  names_[island] = {};
   --uses_[kind_number(states_[island])];
   clusters_.end(island);
   states_[island].end();
@@ -172,15 +147,17 @@ std::size_t ContactSolver::kind_number(const LinkageState& state) const {
 }
 
 /// Lets the islands of an edited part take the place of those of which it was made. f(parts, p, state) lets
-/// the state of island p go on. Plain ones without shapes are left to their homes.
-template <class F>
-void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, bool plain, F&& f) {
+/// the state of island p go on. plain(part) says whether one may go home; without shapes it is left there.
+template <class IsPlain, class F>
+void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, IsPlain&& plain,
+                            F&& f) {
   const SceneParts parts(by.scene);
   std::vector<std::uint32_t> numbers(parts.count(), ended);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     const Scene& part = parts.part(p);
-    if (plain && part.capsules.empty()) continue;
-    numbers[p] = begin_island(kind_like(part), part, plain);
+    const bool may_go_home = plain(part);
+    if (may_go_home && part.capsules.empty()) continue;
+    numbers[p] = begin_island(kind_like(part), part, may_go_home);
     f(parts, p, states_[numbers[p]]);
   }
   clusters_.grow(states_);
@@ -198,11 +175,13 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
     NamedPart part = named_part(island);
     edit(part, edits);
     const bool plain = is_plain_[island] != 0, visits = plain && !visitors_[island].is_at_home();
-    replace({&island, 1}, part, plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+    const auto stays_plain = [plain](const Scene&) { return plain; };
+    const auto go_on = [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
       state.go_on_from(states_[island], parts.particles(p));
       copy_laws(states_[island], part, parts, p, state);
       out.push_back({state.number, visits});
-    });
+    };
+    replace({&island, 1}, part, stays_plain, go_on);
   }
   return out;
 }
@@ -217,22 +196,24 @@ auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartE
     const LinkageState& state = states_[island];
     NamedPart& part = before.emplace_back(named_part(island));
     for (const std::uint32_t rod : edits.cut) part.cut(rod);
-    if (!visitors_[island].is_at_home()) visiting.insert(part.particles.begin(), part.particles.end());
-    for (std::size_t k = state.linkage->movable(); k < part.particles.size(); ++k)
-      went[part.particles[k]] = state.anchors_went[k - state.linkage->movable()];
+    if (!visitors_[island].is_at_home())
+      visiting.insert(part.names.particles.begin(), part.names.particles.end());
+    for (std::size_t k = state.linkage->movable(); k < part.names.particles.size(); ++k)
+      went[part.names.particles[k]] = state.anchors_went[k - state.linkage->movable()];
   }
-  now.rods_were.resize(now.rods.size());
+  now.rods_were.resize(now.names.rods.size());
   std::iota(now.rods_were.begin(), now.rods_were.end(), 0u);
   now.take_capsules(before);
   now.end_fixed();
   now.end_torn_capsules(nullptr);
   std::vector<Made> out;
-  replace(islands, now, true, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+  const auto are_plain = [](const Scene&) { return true; };
+  replace(islands, now, are_plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
     state.begin_in(now.scene, parts.particles(p), states_[islands.front()]);
     const std::uint32_t movable = state.linkage->movable();
     bool visits = false;
     for (const std::uint32_t own : parts.particles(p)) {
-      const std::uint32_t particle = now.particles[own];
+      const std::uint32_t particle = now.names.particles[own];
       const auto k = static_cast<std::uint32_t>(state.particles.size());
       state.particles.push_back(particle);
       visits = visits || (k < movable && visiting.contains(particle));
@@ -244,21 +225,13 @@ auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartE
   return out;
 }
 
-auto ContactSolver::add(NamedPart part) -> std::vector<Made> {
+auto ContactSolver::add(const NamedPart& part) -> std::vector<Made> {
   std::vector<Made> out;
-  replace({}, part, true, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
-    for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.particles[own]);
+  replace({}, part, is_plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+    for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.names.particles[own]);
+    if (is_plain_[state.number] == 0) state.gradient = gradient_;
     out.push_back({state.number, false});
   });
-  return out;
-}
-
-std::vector<std::uint32_t> ContactSolver::capsules_of(std::uint32_t island) const {
-  std::vector<std::uint32_t> out;
-  const std::uint32_t first = first_shape_[island];
-  const std::size_t count = states_[island].linkage->shapes().size();
-  for (std::size_t i = 0; i < count; ++i) out.push_back(shape_ids_[first + i].number);
-  std::sort(out.begin(), out.end());
   return out;
 }
 
@@ -267,14 +240,15 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   const Scene before = part.scene;
   for (const std::uint32_t rod : edits.cut) part.cut(rod);
   const auto index = [&](std::uint32_t particle) {
-    return static_cast<std::size_t>(std::find(part.particles.begin(), part.particles.end(), particle) -
-                                    part.particles.begin());
+    return static_cast<std::size_t>(
+        std::find(part.names.particles.begin(), part.names.particles.end(), particle) -
+        part.names.particles.begin());
   };
   for (const auto& [particle, mass] : edits.heavier)
-    if (const std::size_t k = index(particle); k < part.particles.size())
+    if (const std::size_t k = index(particle); k < part.names.particles.size())
       part.scene.particles[k].mass += mass;
   for (const std::uint32_t particle : edits.fixed)
-    if (const std::size_t k = index(particle); k < part.particles.size())
+    if (const std::size_t k = index(particle); k < part.names.particles.size())
       part.scene.particles[k].fixed = true;
   part.end_fixed();
   part.end_torn_capsules(&before);
@@ -321,7 +295,7 @@ void ContactSolver::make_room(std::uint32_t count) {
   for (std::uint32_t number = island_count(); number < count; ++number) states_.emplace_back(number);
   is_plain_.resize(count, 0);
   first_slot_.resize(count, 0);
-  first_shape_.resize(count, 0);
+  names_.resize(count);
   rooms_.resize(count);
   visitors_.resize(count);
   if (!histories_.empty()) histories_.resize(count);
@@ -337,17 +311,11 @@ std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, b
   if (counts_pulls_) state.pulls = state.linkage->make_pulls();
   state.pulls.touched.counts = counts_touches_;
   is_plain_[number] = plain;
-  const std::size_t slots = part.particles.size(),
-                    shapes = state.linkage->shapes().size() + state.linkage->hulls().size();
-  if (slots > rooms_[number].slots) {
+  const std::size_t slots = part.particles.size();
+  if (slots > rooms_[number]) {
     first_slot_[number] = static_cast<Slot>(island_of_.size());
     island_of_.resize(island_of_.size() + slots, number);
-    rooms_[number].slots = slots;
-  }
-  if (shapes > rooms_[number].shapes) {
-    first_shape_[number] = static_cast<std::uint32_t>(shape_ids_.size());
-    shape_ids_.resize(shape_ids_.size() + shapes);
-    rooms_[number].shapes = shapes;
+    rooms_[number] = slots;
   }
   return number;
 }
@@ -356,28 +324,20 @@ std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, b
 /// or has ended with its island.
 void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
                            std::span<const std::uint32_t> numbers) {
-  const auto put = [&](std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> names,
-                       std::vector<Owner>& owners) {
-    if (!names.empty())
-      owners.resize(
-          std::max<std::size_t>(owners.size(), *std::max_element(names.begin(), names.end()) + 1ull),
-          Owner{ended, 0});
-    for (std::size_t i = 0; i < names.size(); ++i)
-      if (shares[i].part < numbers.size() && numbers[shares[i].part] != ended)
-        owners[names[i]] = {numbers[shares[i].part], shares[i].number};
-  };
-  put(parts.rods(), part.rods, rods_);
-  put(parts.pins(), part.pins, pins_);
-  put(parts.angles(), part.angles, angles_);
-  put(parts.springs(), part.springs, springs_);
-  put(parts.torsions(), part.torsions, torsions_);
-  put(parts.capsules(), part.capsules, shapes_);
-  put(parts.hulls(), part.hulls, shapes_);
-  for (const std::uint32_t hull : part.hulls)
-    shapes_[hull].number = states_[shapes_[hull].island].linkage->hulls()[shapes_[hull].number].number;
-  for (const std::vector<std::uint32_t>* const shapes : {&part.capsules, &part.hulls})
-    for (const std::uint32_t shape : *shapes)
-      shape_ids_[first_shape_[shapes_[shape].island] + shapes_[shape].number] = id_of_shape(shape);
+  for (std::size_t kind = 0; kind < owners_.kinds; ++kind) {
+    const std::vector<std::uint32_t>& names = *part.names.all()[kind];
+    const std::vector<SceneParts::Share>& shares = *parts.shares().all()[kind];
+    if (shares.empty() || names.empty()) continue;
+    std::vector<Owner>& owners = *owners_.all()[kind];
+    const std::size_t least = *std::max_element(names.begin(), names.end()) + std::size_t{1};
+    owners.resize(std::max(owners.size(), least), Owner{ended, 0});
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::uint32_t number = shares[i].part < numbers.size() ? numbers[shares[i].part] : ended;
+      if (number == ended) continue;
+      owners[names[i]] = {number, shares[i].number};
+      names_[number].all()[kind]->push_back(names[i]);
+    }
+  }
 }
 
 }  // namespace plumb::detail

@@ -43,9 +43,9 @@ bool joins_islands(const Scene& scene, const std::vector<std::uint32_t>& islands
 }  // namespace
 
 void NamedPart::cut(std::uint32_t number) {
-  const auto at = std::find(rods.begin(), rods.end(), number);
-  if (at == rods.end()) return;
-  const auto index = static_cast<std::size_t>(at - rods.begin());
+  const auto at = std::find(names.rods.begin(), names.rods.end(), number);
+  if (at == names.rods.end()) return;
+  const auto index = static_cast<std::size_t>(at - names.rods.begin());
   Rod& rod = scene.rods[index];
   const RodMass mass = rod_mass(scene, index, MassModel::consistent);
   const auto [a, b] = std::minmax(rod.a, rod.b);
@@ -55,7 +55,7 @@ void NamedPart::cut(std::uint32_t number) {
   };
   std::erase_if(scene.bends,
                 [&](const Bend& bend) { return is_along(bend.a, bend.b) || is_along(bend.b, bend.c); });
-  erase_numbered(scene.capsules, capsules,
+  erase_numbered(scene.capsules, names.capsules,
                  [&](const Capsule& capsule) { return particles_of(capsule) == ends; });
   if (mass.ab != 0) {
     rod.law = {.stiffness = 0};
@@ -68,25 +68,26 @@ void NamedPart::cut(std::uint32_t number) {
 
 void NamedPart::take_capsules(std::span<const NamedPart> from) {
   std::map<std::uint32_t, std::uint32_t> here;
-  for (std::uint32_t k = 0; k < particles.size(); ++k) here[particles[k]] = k;
+  for (std::uint32_t k = 0; k < names.particles.size(); ++k) here[names.particles[k]] = k;
   std::map<std::uint32_t, Capsule> taken;
   for (const NamedPart& part : from)
-    for (std::size_t i = 0; i < part.capsules.size(); ++i) {
-      Capsule& capsule = taken[part.capsules[i]] = part.scene.capsules[i];
+    for (std::size_t i = 0; i < part.names.capsules.size(); ++i) {
+      Capsule& capsule = taken[part.names.capsules[i]] = part.scene.capsules[i];
       for (Point* const point : {&capsule.a, &capsule.b})
         for (std::size_t k = 0; k < point->particles.size(); ++k)
           if (point->weights[k] != 0) {
-            const std::uint32_t own = point->particles[k], number = part.particles[own];
-            const auto [at, is_new] = here.try_emplace(number, static_cast<std::uint32_t>(particles.size()));
+            const std::uint32_t own = point->particles[k], number = part.names.particles[own];
+            const auto [at, is_new] =
+                here.try_emplace(number, static_cast<std::uint32_t>(names.particles.size()));
             if (is_new) {
-              particles.push_back(number);
+              names.particles.push_back(number);
               scene.particles.push_back(part.scene.particles[own]);
             }
             point->particles[k] = at->second;
           }
     }
   for (const auto& [number, capsule] : taken) {
-    capsules.push_back(number);
+    names.capsules.push_back(number);
     scene.capsules.push_back(capsule);
   }
 }
@@ -94,7 +95,7 @@ void NamedPart::take_capsules(std::span<const NamedPart> from) {
 void NamedPart::erase_rod(std::size_t index) {
   const auto at = static_cast<std::ptrdiff_t>(index);
   scene.rods.erase(scene.rods.begin() + at);
-  rods.erase(rods.begin() + at);
+  names.rods.erase(names.rods.begin() + at);
   rods_were.erase(rods_were.begin() + at);
 }
 
@@ -104,7 +105,7 @@ void NamedPart::end_fixed() {
   };
   for (std::size_t i = scene.rods.size(); i-- > 0;)
     if (is_held(scene.rods[i])) erase_rod(i);
-  erase_numbered(scene.capsules, capsules,
+  erase_numbered(scene.capsules, names.capsules,
                  [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
 }
 
@@ -112,7 +113,7 @@ void NamedPart::end_torn_capsules(const Scene* before) {
   if (scene.capsules.empty()) return;
   const std::vector<std::uint32_t> are = bare_islands(scene);
   const std::vector<std::uint32_t> were = before ? bare_islands(*before) : std::vector<std::uint32_t>{};
-  erase_numbered(scene.capsules, capsules, [&](const Capsule& capsule) {
+  erase_numbered(scene.capsules, names.capsules, [&](const Capsule& capsule) {
     return joins_islands(scene, are, capsule) && !(before && joins_islands(*before, were, capsule));
   });
 }

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "plumb/scene.hpp"
+#include "scene/lists/by_kind.hpp"
 
 namespace plumb::detail {
 
@@ -35,9 +35,8 @@ struct PartEdits {
 class NamedPart {
  public:
   Scene scene{};
-  std::vector<std::uint32_t> particles{}, rods{}, pins{}, angles{}, springs{}, torsions{}, capsules{},
-      hulls{};
-  std::vector<std::uint32_t> rods_were{};  ///< their numbers before any was taken out
+  ByKind<std::vector<std::uint32_t>> names{};  ///< of all but bends and tackles
+  std::vector<std::uint32_t> rods_were{};      ///< their numbers before any was taken out
 
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.

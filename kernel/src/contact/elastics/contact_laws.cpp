@@ -29,9 +29,9 @@ void ContactSolver::wake_with_laws(LinkageState& state) {
 }
 
 void ContactSolver::set_law(std::uint32_t number, const Spring& spring) {
-  if (number >= springs_.size()) refuse_unknown(number, spring);
-  LinkageState& state = states_[springs_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_spring(springs_[number].number);
+  if (number >= owners_.springs.size()) refuse_unknown(number, spring);
+  LinkageState& state = states_[owners_.springs[number].island];
+  const auto [first, count] = state.linkage->elastics_of_spring(owners_.springs[number].number);
   if ((spring.length == 0) != (count > 1))
     refuse("spring ", number, ": its length cannot become 0, nor anything else if it was 0");
   set_laws(spring, std::span(state.laws).subspan(first, count));
@@ -39,28 +39,28 @@ void ContactSolver::set_law(std::uint32_t number, const Spring& spring) {
 }
 
 void ContactSolver::set_law(std::uint32_t number, const Torsion& torsion) {
-  if (number >= torsions_.size()) refuse_unknown(number, torsion);
-  LinkageState& state = states_[torsions_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_torsion(torsions_[number].number);
+  if (number >= owners_.torsions.size()) refuse_unknown(number, torsion);
+  LinkageState& state = states_[owners_.torsions[number].island];
+  const auto [first, count] = state.linkage->elastics_of_torsion(owners_.torsions[number].number);
   set_laws(torsion, std::span(state.laws).subspan(first, count));
   wake_with_laws(state);
 }
 
 void ContactSolver::set_law(std::uint32_t number, const AngleControl& angle) {
-  if (number >= angles_.size()) refuse_unknown(number, angle);
-  LinkageState& state = states_[angles_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_angle(angles_[number].number);
+  if (number >= owners_.angles.size()) refuse_unknown(number, angle);
+  LinkageState& state = states_[owners_.angles[number].island];
+  const auto [first, count] = state.linkage->elastics_of_angle(owners_.angles[number].number);
   if (count == 0 && (angle.stiffness != 0 || angle.damping != 0))
     refuse("angle ", number, ": had neither stiffness nor damping in the scene, and cannot get them later");
   set_laws(angle, std::span(state.laws).subspan(first, count));
-  state.angle_rules[angles_[number].number] = {angle.lower, angle.upper, angle.friction};
+  state.angle_rules[owners_.angles[number].number] = {angle.lower, angle.upper, angle.friction};
   wake_with_laws(state);
 }
 
 double ContactSolver::torsion_angle(std::uint32_t number) const {
-  if (number >= torsions_.size()) refuse_unknown(number, Torsion{});
-  const LinkageState& state = states_[torsions_[number].island];
-  return state.elastic_numbers[state.linkage->elastics_of_torsion(torsions_[number].number).first];
+  if (number >= owners_.torsions.size()) refuse_unknown(number, Torsion{});
+  const LinkageState& state = states_[owners_.torsions[number].island];
+  return state.elastic_numbers[state.linkage->elastics_of_torsion(owners_.torsions[number].number).first];
 }
 
 }  // namespace plumb::detail

@@ -7,7 +7,7 @@
 namespace plumb::detail {
 
 const char* ContactSolver::keeps_length(std::uint32_t rod) const {
-  const auto [island, number] = rods_[rod];
+  const auto [island, number] = owners_.rods[rod];
   if (states_[island].lengths.find(number)) return nullptr;  // it was asked before
   const Scene& part = parts_[kind_number(states_[island])];
   const Rod& of = part.rods[number];
@@ -31,7 +31,7 @@ const char* ContactSolver::keeps_length(std::uint32_t rod) const {
 }
 
 void ContactSolver::set_length(Slot rod, double length, double rate) {
-  const auto [island, number] = rods_[rod];
+  const auto [island, number] = owners_.rods[rod];
   LinkageState& state = states_[island];
   if (!state.lengths.change(number, length, rate)) {
     const Scene& part = parts_[kind_number(state)];

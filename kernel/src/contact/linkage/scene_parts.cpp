@@ -142,6 +142,20 @@ class Likeness {
 
 }  // namespace
 
+bool needs_contact_stage(const Scene& scene) {
+  const bool has_ground = !scene.planes.empty() || !scene.boxes.empty() || !scene.ground_capsules.empty() ||
+                          !scene.ground_hulls.empty() || !scene.meshes.empty() ||
+                          !scene.height_fields.empty();
+  const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
+                          !scene.angles.empty() || !scene.springs.empty() || !scene.torsions.empty() ||
+                          !scene.capsules.empty() || scene.joint_drag != 0;
+  return has_joints || has_ground ||
+         std::any_of(scene.particles.begin(), scene.particles.end(),
+                     [](const Particle& particle) { return particle.asleep; }) ||
+         std::any_of(scene.rods.begin(), scene.rods.end(),
+                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
+}
+
 bool is_plain(const Scene& part) {
   const bool has_joints = !part.bodies.empty() || !part.pins.empty() || !part.alignments.empty() ||
                           !part.angles.empty() || !part.springs.empty() || !part.torsions.empty() ||
@@ -223,56 +237,58 @@ void SceneParts::hand_out() {
     rod.length = rod_length(scene_, i);
     rod.a = local(island, rod.a);
     rod.b = local(island, rod.b);
-    hand(rod, island, parts_[island].rods, rods_);
+    hand(rod, island, parts_[island].rods, shares_.rods);
   }
-  std::vector<Share> bodies;
   for (Body body : scene_.bodies) {
     const std::uint32_t island = movable_of({body.particles, {1, 1, 1, 1}});
-    bodies.push_back({island, island == none ? 0 : static_cast<std::uint32_t>(parts_[island].bodies.size())});
-    if (island == none) continue;  // part of the ground
+    if (island == none) {  // part of the ground
+      shares_.bodies.push_back({none, 0});
+      continue;
+    }
     for (std::uint32_t& particle : body.particles) particle = local(island, particle);
-    parts_[island].bodies.push_back(body);
+    hand(body, island, parts_[island].bodies, shares_.bodies);
   }
   hand_out_joints();
   for (Capsule each : scene_.capsules) {
     if (is_anchored(scene_, each)) {  // ground
-      capsules_.push_back({none, 0});
+      shares_.capsules.push_back({none, 0});
       continue;
     }
     const std::uint32_t island = island_of(each.a, each.b);
     each.a = local(island, each.a);
     each.b = local(island, each.b);
-    hand(each, island, parts_[island].capsules, capsules_);
+    hand(each, island, parts_[island].capsules, shares_.capsules);
   }
   for (Hull each : scene_.hulls) {
-    const auto [island, number] = bodies[each.body];
+    const auto [island, number] = shares_.bodies[each.body];
     if (island == none)
-      refuse("hull ", hulls_.size(), ": its body ", each.body, " cannot move; use ground hulls");
+      refuse("hull ", shares_.hulls.size(), ": its body ", each.body, " cannot move; use ground hulls");
     each.body = number;
-    hand(each, island, parts_[island].hulls, hulls_);
+    hand(each, island, parts_[island].hulls, shares_.hulls);
   }
 }
 
 void SceneParts::hand_out_joints() {
   for (const Pin& each : scene_.pins) {
     const std::uint32_t island = island_of(each.a, each.b);
-    hand(Pin{local(island, each.a), local(island, each.b)}, island, parts_[island].pins, pins_);
+    hand(Pin{local(island, each.a), local(island, each.b)}, island, parts_[island].pins, shares_.pins);
   }
   for (const Alignment& each : scene_.alignments) {
     const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
-    parts_[island].alignments.push_back({local(island, each.u), local(island, each.v)});
+    hand(Alignment{local(island, each.u), local(island, each.v)}, island, parts_[island].alignments,
+         shares_.alignments);
   }
   for (AngleControl each : scene_.angles) {
     const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
     each.u = local(island, each.u);
     each.v = local(island, each.v);
-    hand(each, island, parts_[island].angles, angles_);
+    hand(each, island, parts_[island].angles, shares_.angles);
   }
   for (Spring each : scene_.springs) {
     const std::uint32_t island = island_of(each.a, each.b);
     each.a = local(island, each.a);
     each.b = local(island, each.b);
-    hand(each, island, parts_[island].springs, springs_);
+    hand(each, island, parts_[island].springs, shares_.springs);
   }
   for (Torsion each : scene_.torsions) {
     const std::uint32_t island =
@@ -280,7 +296,7 @@ void SceneParts::hand_out_joints() {
     each.axis = local(island, each.axis);
     each.u = local(island, each.u);
     each.v = local(island, each.v);
-    hand(each, island, parts_[island].torsions, torsions_);
+    hand(each, island, parts_[island].torsions, shares_.torsions);
   }
   for (const Bend& each : scene_.bends) {
     const std::uint32_t island = movable_of({{each.a, each.b, each.c}, {1, 1, 1}});

@@ -5,6 +5,7 @@
 
 #include "plumb/layouts/islands.hpp"
 #include "plumb/scene.hpp"
+#include "scene/lists/by_kind.hpp"
 
 namespace plumb::detail {
 
@@ -23,14 +24,8 @@ class SceneParts {
   struct Share {
     std::uint32_t part, number;
   };
-  /// Lists where the scene's rods, joints, springs and shapes are.
-  const std::vector<Share>& rods() const { return rods_; }
-  const std::vector<Share>& pins() const { return pins_; }
-  const std::vector<Share>& angles() const { return angles_; }
-  const std::vector<Share>& springs() const { return springs_; }
-  const std::vector<Share>& torsions() const { return torsions_; }
-  const std::vector<Share>& capsules() const { return capsules_; }
-  const std::vector<Share>& hulls() const { return hulls_; }
+  /// Lists where the scene's rods, bodies, joints, springs and shapes are.
+  const ByKind<std::vector<Share>>& shares() const { return shares_; }
 
  private:
   void hand_out();
@@ -50,9 +45,12 @@ class SceneParts {
   std::vector<std::uint32_t> island_of_, local_;  ///< by particle
   std::vector<Scene> parts_;
   std::vector<std::vector<std::uint32_t>> particles_;
-  std::vector<Share> rods_, pins_, angles_, springs_, torsions_, capsules_, hulls_;
+  ByKind<std::vector<Share>> shares_;
 };
 
+/// Returns whether anything may touch, now or once it is added, or an island may have more than particles and
+/// rods.
+bool needs_contact_stage(const Scene& scene);
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its
 /// particles or between the ends of rods. Solvers of particles and rods can move it where nothing touches it.
 bool is_plain(const Scene& part);

@@ -6,33 +6,28 @@
 
 namespace plumb::detail {
 
-void ContactSolver::name_shapes(const SceneParts& parts, std::span<const std::uint32_t> number_of) {
-  own(parts.pins(), number_of, pins_);
-  own(parts.capsules(), number_of, shapes_);
-  for (const auto& [part, number] : parts.hulls())
-    shapes_.push_back({number_of[part], states_[number_of[part]].linkage->hulls()[number].number});
-  std::uint32_t count = 0;
-  for (const LinkageState& state : states_) {
-    first_shape_.push_back(count);
-    count += static_cast<std::uint32_t>(state.linkage->shapes().size() + state.linkage->hulls().size());
+void ContactSolver::name(const SceneParts& parts, std::span<const std::uint32_t> number_of) {
+  names_.resize(states_.size());
+  for (std::size_t kind = 0; kind < owners_.kinds; ++kind) {
+    const std::vector<SceneParts::Share>& shares = *parts.shares().all()[kind];
+    std::vector<Owner>& owners = *owners_.all()[kind];
+    for (std::uint32_t i = 0; i < shares.size(); ++i) {
+      const auto [part, number] = shares[i];
+      const std::uint32_t island = part < number_of.size() ? number_of[part] : no_island;
+      owners.push_back({island, number});
+      if (island != no_island) names_[island].all()[kind]->push_back(i);
+    }
   }
-  shape_ids_.resize(count);
-  capsules_ = static_cast<std::uint32_t>(parts.capsules().size());
-  hulls_ = static_cast<std::uint32_t>(parts.hulls().size());
   std::uint32_t anchored = 0;
-  for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
-    Owner& owner = shapes_[i];
-    if (owner.island == no_island)
-      owner.number = surroundings_.numbers.of_anchored(anchored++);
-    else
-      shape_ids_[first_shape_[owner.island] + owner.number] = id_of_shape(i);
-  }
+  for (Owner& owner : owners_.capsules)
+    if (owner.island == no_island) owner.number = surroundings_.numbers.of_anchored(anchored++);
 }
 
-ShapeId ContactSolver::id_of_shape(std::uint32_t number) const {
-  if (number < capsules_) return {ShapeKind::capsule, number};
-  if (number < capsules_ + hulls_) return {ShapeKind::hull, number - capsules_};
-  return {ShapeKind::capsule, number - hulls_};
+/// Names a shape of an island by its number there.
+ShapeId ContactSolver::id_of(std::uint32_t island, std::uint32_t shape) const {
+  const auto &capsules = names_[island].capsules, &hulls = names_[island].hulls;
+  if (shape < capsules.size()) return {ShapeKind::capsule, capsules[shape]};
+  return {ShapeKind::hull, hulls[shape - capsules.size()]};
 }
 
 void ContactSolver::begin_pulls(const Settings& settings) {
@@ -52,9 +47,6 @@ void ContactSolver::list_contacts() {
   is_listed_ = !moved;
   ground_pushes_.assign(surroundings_.numbers.count(), Vec3{});
   contacts_.begin();
-  const auto id_of = [&](std::uint32_t island, std::uint32_t shape) {
-    return shape_ids_[first_shape_[island] + shape];
-  };
   for (const LinkageState& state : states_) {
     if (visitors_[state.number].is_at_home()) continue;
     for (const TouchedPair& pair : state.pulls.touched.pairs()) {
@@ -79,38 +71,38 @@ Number ContactSolver::mean(const LinkagePulls& pulls, const Number& sum) {
 }
 
 double ContactSolver::pull_of_rod(std::uint32_t rod) const {
-  const LinkagePulls& pulls = states_[rods_[rod].island].pulls;
-  return mean(pulls, pulls.rods[rods_[rod].number]);
+  const LinkagePulls& pulls = states_[owners_.rods[rod].island].pulls;
+  return mean(pulls, pulls.rods[owners_.rods[rod].number]);
 }
 
 double ContactSolver::power_of_rod(std::uint32_t rod) const {
-  const auto [island, number] = rods_[rod];
+  const auto [island, number] = owners_.rods[rod];
   const RodLengths::Change* const change = states_[island].lengths.find(number);
   return change ? mean(states_[island].pulls, change->work) : 0;
 }
 
 bool ContactSolver::has_broken(std::uint32_t rod) const {
-  if (rod >= rods_.size()) return false;
-  const auto [island, number] = rods_[rod];
+  if (rod >= owners_.rods.size()) return false;
+  const auto [island, number] = owners_.rods[rod];
   if (island >= ended || states_[island].broken.empty()) return false;
   const auto elastic = states_[island].linkage->elastic_of_rod(number);
   return elastic && states_[island].broken[*elastic] != 0;
 }
 
 Vec3 ContactSolver::pin_force(std::uint32_t pin) const {
-  const LinkagePulls& pulls = states_[pins_[pin].island].pulls;
-  return mean(pulls, pulls.pins[pins_[pin].number]);
+  const LinkagePulls& pulls = states_[owners_.pins[pin].island].pulls;
+  return mean(pulls, pulls.pins[owners_.pins[pin].number]);
 }
 
 double ContactSolver::angle_torque(std::uint32_t angle) const {
-  const auto [island, number] = angles_[angle];
+  const auto [island, number] = owners_.angles[angle];
   const LinkagePulls& pulls = states_[island].pulls;
   const auto [first, count] = states_[island].linkage->elastics_of_angle(number);
   return mean(pulls, pulls.angles[number] - (count > 0 ? pulls.elastics[first] : 0));
 }
 
 Vec3 ContactSolver::spring_force(std::uint32_t spring) const {
-  const auto [island, number] = springs_[spring];
+  const auto [island, number] = owners_.springs[spring];
   const LinkagePulls& pulls = states_[island].pulls;
   const auto [first, count] = states_[island].linkage->elastics_of_spring(number);
   Vec3 sum{};
@@ -119,18 +111,19 @@ Vec3 ContactSolver::spring_force(std::uint32_t spring) const {
 }
 
 double ContactSolver::torsion_torque(std::uint32_t torsion) const {
-  const auto [island, number] = torsions_[torsion];
+  const auto [island, number] = owners_.torsions[torsion];
   const LinkagePulls& pulls = states_[island].pulls;
   return -mean(pulls, pulls.elastics[states_[island].linkage->elastics_of_torsion(number).first]);
 }
 
-Vec3 ContactSolver::contact_force(std::uint32_t shape) const {
-  const auto [island, number] = shapes_[shape];
+Vec3 ContactSolver::contact_force(ShapeId shape) const {
+  const auto [island, number] = owners_of(shape)[shape.number];
   if (island == no_island) return ground_force(number);
   if (island == ended) return {};
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};
-  return mean(pulls, pulls.shapes[number]);
+  const std::size_t first = shape.kind == ShapeKind::hull ? names_[island].capsules.size() : 0;
+  return mean(pulls, pulls.shapes[first + number]);
 }
 
 Vec3 ContactSolver::hold(Slot slot, double) const {

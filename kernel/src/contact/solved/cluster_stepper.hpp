@@ -295,6 +295,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double find_rigid_motion();
   Vec3 common_velocity();
   void slow_all(double excess, double moving);
+  void stop();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);

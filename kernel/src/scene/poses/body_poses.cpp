@@ -137,22 +137,27 @@ std::array<Lanes<count>, 4> quaternions_of(const Matrices<count>& r) {
 
 }  // namespace
 
-BodyPoses::BodyPoses(const Scene& scene) : count_(static_cast<std::uint32_t>(scene.bodies.size())) {
-  groups_.resize((count_ + side_by_side - 1) / side_by_side);
-  for (std::uint32_t body = 0; body < count_; ++body) {
-    const std::array<std::uint32_t, 4>& particles = scene.bodies[body].particles;
-    std::array<Vec3, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) at[i] = scene.particles[particles[i]].position;
-    const Barycentric weights(at);
-    const std::array<double, 4> center = weights.weights(scene.bodies[body].center);
-    const std::array<Vec3, 4> gradients = weights.gradients();
-    Group& group = groups_[body / side_by_side];
-    const std::size_t lane = body % side_by_side;
-    group.particles[lane] = particles;
-    for (std::size_t i = 0; i < 4; ++i) {
-      group.weights.center[i][lane] = center[i];
-      put<side_by_side>(group.weights.gradients, lane, i, gradients[i]);
-    }
+BodyPoses::BodyPoses(const Scene& scene) {
+  groups_.reserve((scene.bodies.size() + side_by_side - 1) / side_by_side);
+  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) take(scene, body);
+}
+
+void BodyPoses::take(const Scene& scene, std::uint32_t body) {
+  count_ = std::max(count_, body + 1);
+  if (const std::size_t groups = body / side_by_side + std::size_t{1}; groups > groups_.size())
+    groups_.resize(groups);
+  const std::array<std::uint32_t, 4>& particles = scene.bodies[body].particles;
+  std::array<Vec3, 4> at{};
+  for (std::size_t i = 0; i < 4; ++i) at[i] = scene.particles[particles[i]].position;
+  const Barycentric weights(at);
+  const std::array<double, 4> center = weights.weights(scene.bodies[body].center);
+  const std::array<Vec3, 4> gradients = weights.gradients();
+  Group& group = groups_[body / side_by_side];
+  const std::size_t lane = body % side_by_side;
+  group.particles[lane] = particles;
+  for (std::size_t i = 0; i < 4; ++i) {
+    group.weights.center[i][lane] = center[i];
+    put<side_by_side>(group.weights.gradients, lane, i, gradients[i]);
   }
 }
 

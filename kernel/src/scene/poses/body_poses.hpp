@@ -29,6 +29,8 @@ class BodyPoses {
   explicit BodyPoses(const Scene& scene);
 
   std::uint32_t count() const { return count_; }
+  /// Takes in a body, or another one by its number, as the scene has it.
+  void take(const Scene& scene, std::uint32_t body);
   /// Returns the four particles of a body.
   const std::array<std::uint32_t, 4>& particles(std::uint32_t body) const {
     return groups_[body / side_by_side].particles[body % side_by_side];

@@ -10,30 +10,31 @@
 
 namespace plumb::detail {
 
+/// Returns what was added as a scene of its own, in this world's gravity and air.
 Scene Step::scene_of(const Addition& of) const {
-  return of.scene(gravity_, origin_->scene.drag);
+  Scene out = of.scene;
+  out.gravity = gravity_;
+  out.drag = origin_->scene.drag;
+  out.joint_drag = origin_->scene.joint_drag;
+  return out;
 }
 
 Compiled Step::compile_addition(const Scene& scene) const {
   return detail::compile_addition(scene, settings_of_now(), compiled_);
 }
 
-Added Step::add(const Scene& scene) {
+ByKind<std::uint32_t> Step::add(const Scene& scene) {
   breaks_.begin();
-  const auto size = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
-  auto& [particles, rods, bends, tackles, capsules] = population_;
-  const Added first{particles.find(size(scene.particles)), rods.find(size(scene.rods)),
-                    bends.find(size(scene.bends)), tackles.find(size(scene.tackles)),
-                    capsules.find(size(scene.capsules))};
+  const ByKind<std::uint32_t> sizes = sizes_of(scene);
+  ByKind<std::uint32_t> first;
+  for (std::size_t kind = 0; kind < first.kinds; ++kind)
+    *first.all()[kind] = population_.all()[kind]->find(*sizes.all()[kind]);
   Split now;
   now.added.emplace_back(scene, first);
   Compiled made = compile_addition(scene_of(now.added.front()));
   measure_size(scene);
-  particles.take(first.particle, size(scene.particles));
-  rods.take(first.rod, size(scene.rods));
-  bends.take(first.bend, size(scene.bends));
-  tackles.take(first.tackle, size(scene.tackles));
-  capsules.take(first.capsule, size(scene.capsules));
+  for (std::size_t kind = 0; kind < first.kinds; ++kind)
+    population_.all()[kind]->take(*first.all()[kind], *sizes.all()[kind]);
   grow_tables();
   put(now, std::move(made));
   log_.push(std::move(now));
@@ -63,48 +64,62 @@ void Step::grow_tables() {
 void Step::put(Split& now, Compiled made) {
   const Addition& of = now.added.front();
   breaks_.add(of);
-  Fallen numbers;
-  const auto list = [](std::vector<std::uint32_t>& to, std::uint32_t first, std::size_t count) {
-    to.resize(count);
-    std::iota(to.begin(), to.end(), first);
-  };
-  list(numbers.particles, of.first.particle, of.particles.size());
-  list(numbers.rods, of.first.rod, of.rods.size());
-  list(numbers.tackles, of.first.tackle, of.tackles.size());
-  const Scene& scene = breaks_.scene_now();
-  for (const std::uint32_t i : numbers.particles) {
-    const Particle& particle = scene.particles[i];
-    anchors_.add(i, particle.fixed, particle.position);
-    loads_.add(i, particle.fixed, particle.velocity);
+  const ByKind<std::uint32_t> sizes = sizes_of(of.scene);
+  Removed names;
+  for (std::size_t kind = 0; kind < names.kinds; ++kind) {
+    names.all()[kind]->resize(*sizes.all()[kind]);
+    std::iota(names.all()[kind]->begin(), names.all()[kind]->end(), *of.first.all()[kind]);
   }
-  for (const std::uint32_t i : numbers.rods) {
-    const Rod& rod = scene.rods[i];
-    lengths_.add(i, rod_length(scene, i));
-    rods_.add(i, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
-    if (settings_.tensions) reactions_.insert_rod(scene, mass_model_of(settings_), i, anchors_);
-  }
-  for (const std::uint32_t i : numbers.tackles) lengths_.add(tackle_cord(i), tackle_length(scene, i));
+  tell_of(names);
   WorldInfo& info = compiled_.info;
   info.islands += made.info.islands;
   info.projected_velocity = std::max(info.projected_velocity, made.info.projected_velocity);
   info.projected_position = std::max(info.projected_position, made.info.projected_position);
   info.unprojected_islands += made.info.unprojected_islands;
   seat(std::move(made.solvers), now.seats);
+  Fallen numbers;
+  numbers.particles = names.particles;
+  numbers.rods = names.rods;
+  numbers.tackles = names.tackles;
   put_places(numbers, made, now.seats);
-  if (!of.capsules.empty()) put_shapes(now, numbers);
+  if (made.needs_contact) put_in_contact(now, std::move(names));
 }
 
-/// Lets the contact solver know islands with capsules, which are at home.
-void Step::put_shapes(Split& now, const Fallen& numbers) {
-  const Addition& of = now.added.front();
+/// Tells all that know particles, cords and bodies of those that are new.
+void Step::tell_of(const Removed& names) {
+  const Scene& scene = breaks_.scene_now();
+  for (const std::uint32_t i : names.particles) {
+    const Particle& particle = scene.particles[i];
+    anchors_.add(i, particle.fixed, particle.position);
+    loads_.add(i, particle.fixed, particle.velocity);
+  }
+  for (const std::uint32_t i : names.rods) {
+    const Rod& rod = scene.rods[i];
+    lengths_.add(i, rod_length(scene, i));
+    rods_.add(i, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
+    if (settings_.tensions) reactions_.insert_rod(scene, mass_model_of(settings_), i, anchors_);
+  }
+  for (const std::uint32_t i : names.tackles) lengths_.add(tackle_cord(i), tackle_length(scene, i));
+  if (settings_.tensions)
+    for (const std::uint32_t i : names.bodies) reactions_.insert_body(scene, i, anchors_);
+}
+
+/// Lets the contact solver know islands with shapes, bodies, joints or air. Those of particles and rods are
+/// at home.
+void Step::put_in_contact(Split& now, Removed names) {
   ContactSolver& contact = *compiled_.contact;
-  NamedPart part{.scene = scene_of(of), .particles = numbers.particles, .rods = numbers.rods};
-  for (std::uint32_t i = 0; i < of.capsules.size(); ++i)
-    part.capsules.push_back(contact.number_of({ShapeKind::capsule, of.first.capsule + i}));
+  const std::vector<std::uint32_t> particles = names.particles;
+  NamedPart part{.scene = scene_of(now.added.front()), .names = std::move(names)};
   if (mass_model_of(settings_) == MassModel::lumped) lump_masses(part.scene);
   contact.numbers().give(now.islands);
-  put_parts(contact.add(std::move(part)));
+  const std::vector<ContactSolver::Made> made = contact.add(part);
+  put_parts(made);  // compiling has counted those without a home
   now.islands = contact.numbers().made();
+  double& projected = compiled_.info.projected_velocity;
+  for (const auto& [island, visits] : made)
+    if (!contact.may_go_home(contact.first_slot(island)))
+      projected = std::max(projected, contact.project_initial_velocities(island));
+  find_heads(particles);
 }
 
 // --- Removing
@@ -116,17 +131,12 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   if (anchors_.is_fixed(particle) && holds_ground(particle))
     refuse("particle ", particle, ": a shape is at it, and it stays");
   require_editable("particle", particle, particle);
-  require_no_joints("particle", particle, particle);
   if (const auto twist = breaks_.twist_at(particle))
     refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays");
   Split now;
   now.removed = {particle};
   Removed gone = take_away(particle);
-  population_.particles.give_back(gone.particles);
-  population_.rods.give_back(gone.rods);
-  population_.bends.give_back(gone.bends);
-  population_.tackles.give_back(gone.tackles);
-  population_.capsules.give_back(gone.capsules);
+  for (std::size_t kind = 0; kind < gone.kinds; ++kind) population_.all()[kind]->give_back(*gone.all()[kind]);
   drop_edits(gone);
   log_.push_removal(std::move(now), gone.particles);
   return std::move(gone.particles);
@@ -134,16 +144,11 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
 
 /// Takes an island out, with the fixed particles from which nothing hangs then. Returns what is gone.
 Removed Step::take_away(std::uint32_t particle) {
-  Removed out = breaks_.island_to_remove(particle);
+  Removed out = list_island(particle);
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
   for (const std::uint32_t number : take_grabs(leaving)) release(number);
-  if (const Place* const place = leaving.empty() ? nullptr : contact_place(leaving.front())) {
-    ContactSolver& contact = *compiled_.contact;
-    out.capsules = contact.capsules_of(contact.island_of(place->slot));
-    contact.end_plain(contact.island_of(place->slot), out.rods);
-  }
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
   compiled_.places.find_runs(compiled_.solvers);
@@ -152,13 +157,26 @@ Removed Step::take_away(std::uint32_t particle) {
     return anchors_.is_fixed(each) && (!compiled_.places.of(each).empty() || holds_ground(each));
   });
   for (const std::uint32_t each : out.particles)
-    if (anchors_.is_fixed(each))
-      for (const std::uint32_t rod : breaks_.rods_at(each)) out.rods.push_back(rod);
+    if (anchors_.is_fixed(each)) append(out.rods, breaks_.rods_at(each));
   sort_once(out.rods);
   free_seats(solvers);
   sleep_.exchange(compiled_.solvers, seats_);
   is_described_ = false;
   forget(out);
+  return out;
+}
+
+/// Lists what an island has, with the fixed particles that it hangs from.
+Removed Step::list_island(std::uint32_t particle) const {
+  const Place* const place = anchors_.is_fixed(particle) ? nullptr : contact_place(particle);
+  if (!place) return breaks_.island_to_remove(particle, {});
+  const std::uint32_t island = compiled_.contact->island_of(place->slot);
+  Removed out = breaks_.island_to_remove(particle, compiled_.contact->particles_of(island));
+  const Removed& names = compiled_.contact->names_of(island);  // of all but what is listed
+  for (std::size_t kind = 0; kind < out.kinds; ++kind) {
+    if (!names.all()[kind]->empty()) append(*out.all()[kind], *names.all()[kind]);
+    sort_once(*out.all()[kind]);
+  }
   return out;
 }
 
@@ -177,6 +195,7 @@ void Step::forget(const Removed& gone) {
     compiled_.cords.replace(tackle_cord(tackle), {});
     lengths_.remove(tackle_cord(tackle));
   }
+  if (settings_.tensions && !gone.bodies.empty()) reactions_.remove_bodies_of(gone.particles);
   for (const std::uint32_t particle : gone.particles) {
     anchors_.remove(particle);
     loads_.remove(particle);

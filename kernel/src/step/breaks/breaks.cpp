@@ -25,10 +25,6 @@ bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain)
   return false;
 }
 
-void append(Ids& to, std::span<const std::uint32_t> from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 }  // namespace
 
 Breaks::Breaks(const Scene& scene, const Settings& settings)

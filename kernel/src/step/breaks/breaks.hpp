@@ -36,9 +36,7 @@ struct Fallen {
 };
 
 /// Lists what is removed with an island.
-struct Removed {
-  std::vector<std::uint32_t> particles, rods, bends, tackles, capsules{};
-};
+using Removed = ByKind<std::vector<std::uint32_t>>;
 
 /// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work
 /// grows with these islands alone, once begin() has looked at the whole scene.
@@ -78,12 +76,13 @@ class Breaks {
 
   // --- What is added and removed (living.cpp)
 
-  /// Takes at least so many particles, rods, bends and tackles. New ones have nothing before add().
+  /// Takes at least so many of each kind. New ones have nothing before add().
   void grow(const Population& to);
   void add(const Addition& what);
-  /// Lists the island of a movable particle as it is, with the fixed particles that it hangs from, and all
-  /// rods at its movable ones. Of a fixed particle from which nothing hangs it lists that and its rods.
-  Removed island_to_remove(std::uint32_t particle) const;
+  /// Lists the particles, rods, bends and tackles of an island as it is, with the fixed particles that it
+  /// hangs from, and all rods at its movable ones. It is that of a movable particle, or, if joints hold it
+  /// together, that which has `jointed` particles. Of a fixed particle it lists that and its rods.
+  Removed island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const;
   /// Forgets what is listed. Where it has rods of particles that stay, they lose those.
   void remove(const Removed& what);
 
@@ -138,6 +137,7 @@ class Breaks {
   };
 
   std::uint32_t spare_whole();
+  void remove_from_wholes(const Removed& what);
   std::uint32_t whole_at(std::uint32_t rod) const;
   void touch(std::uint32_t whole, bool is_forced);
   void touch_rod(std::uint32_t rod, bool is_forced);

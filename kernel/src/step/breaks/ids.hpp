@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace plumb::detail {
 
 /// Lists numbers of particles, rods or the like.
 using Ids = std::vector<std::uint32_t>;
+
+inline void append(Ids& to, std::span<const std::uint32_t> from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
 /// Puts numbers in ascending order, each once. Those at the front that are in order already cost little.
 inline void sort_once(Ids& of) {

@@ -1,6 +1,7 @@
 // This file lets Breaks know islands that are added and removed.
 
 #include <algorithm>
+#include <utility>
 
 #include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
@@ -16,16 +17,18 @@ void resize_to(std::vector<T>& list, std::uint32_t count, const T& with) {
   if (count > list.size()) list.resize(count, with);
 }
 
+auto is_listed_in(const Ids& list) {
+  return [&](std::uint32_t each) { return std::binary_search(list.begin(), list.end(), each); };
+}
+
 /// Copies what islands are made of.
 Scene parts_of(const Scene& scene) {
-  return {.particles = scene.particles,
-          .rods = scene.rods,
-          .drag = scene.drag,
-          .bends = scene.bends,
-          .twists = scene.twists,
-          .tackles = scene.tackles,
-          .reels = scene.reels,
-          .capsules = scene.capsules};
+  Scene out;
+  out.drag = scene.drag;
+  out.twists = scene.twists;
+  out.reels = scene.reels;
+  for_lists([](std::size_t, auto& to, const auto& from) { to = from; }, out, scene);
+  return out;
 }
 
 }  // namespace
@@ -33,10 +36,7 @@ Scene parts_of(const Scene& scene) {
 void Breaks::grow(const Population& to) {
   if (!grown_) grown_ = parts_of(first_);
   resize_to(grown_->particles, to.particles.count(), {.fixed = true});
-  resize_to(grown_->rods, to.rods.count(), {});
-  resize_to(grown_->bends, to.bends.count(), {});
-  resize_to(grown_->tackles, to.tackles.count(), {});
-  resize_to(grown_->capsules, to.capsules.count(), {});
+  for_lists([&](std::size_t kind, auto& list) { resize_to(list, to.all()[kind]->count(), {}); }, *grown_);
   resize_to<std::uint8_t>(fixed_, to.particles.count(), 1);
   for (Ids* const of : {&place_, &whole_}) resize_to(*of, to.particles.count(), none);
   resize_to(out_, to.rods.count(), State::in);
@@ -44,55 +44,46 @@ void Breaks::grow(const Population& to) {
 }
 
 void Breaks::add(const Addition& what) {
-  const auto& [particle0, rod0, bend0, tackle0, capsule0] = what.first;
-  const Scene scene = what.scene({}, 0);
-  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
-    grown_->particles[particle0 + i] = scene.particles[i];
-    fixed_[particle0 + i] = scene.particles[i].fixed ? 1 : 0;
-  }
+  const auto& [scene, first] = what;
+  for_lists(
+      [&](std::size_t kind, auto& to, const auto& from) {
+        for (std::size_t i = 0; i < from.size(); ++i) {
+          auto& item = to[*first.all()[kind] + i] = from[i];
+          for_particles(item, [&](std::uint32_t& particle) { particle += first.particles; });
+        }
+      },
+      *grown_, scene);
+  for (std::size_t i = 0; i < scene.hulls.size(); ++i) grown_->hulls[first.hulls + i].body += first.bodies;
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    fixed_[first.particles + i] = scene.particles[i].fixed ? 1 : 0;
   std::vector<Rows<std::uint32_t>::Entry> entries;
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
-    Rod& rod = grown_->rods[rod0 + i] = scene.rods[i];
-    for (const std::uint32_t end : {rod.a, rod.b}) entries.push_back({end, rod0 + i});
-    rod.a += particle0;
-    rod.b += particle0;
-    if (rod.law.strength < RodLaw{}.strength)
-      weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), rod0 + i), rod0 + i);
+    const std::uint32_t number = first.rods + i;
+    for (const std::uint32_t end : {scene.rods[i].a, scene.rods[i].b}) entries.push_back({end, number});
+    if (scene.rods[i].law.strength < RodLaw{}.strength)
+      weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), number), number);
   }
   const Rows<std::uint32_t> rods_at(static_cast<std::uint32_t>(scene.particles.size()), entries);
-  for (std::uint32_t i = 0; i < rods_at.count(); ++i) rods_at_.replace(particle0 + i, rods_at.of(i));
-  for (std::uint32_t i = 0; i < scene.bends.size(); ++i) {
-    Bend& bend = grown_->bends[bend0 + i] = scene.bends[i];
-    for (std::uint32_t* const end : {&bend.a, &bend.b, &bend.c}) *end += particle0;
-  }
-  for (std::uint32_t i = 0; i < scene.tackles.size(); ++i) {
-    grown_->tackles[tackle0 + i] = scene.tackles[i];
-    for (std::uint32_t& particle : grown_->tackles[tackle0 + i].particles) particle += particle0;
-  }
-  for (std::uint32_t i = 0; i < scene.capsules.size(); ++i) {
-    Capsule& capsule = grown_->capsules[capsule0 + i] = scene.capsules[i];
-    for (Point* const end : {&capsule.a, &capsule.b})
-      for (std::uint32_t& particle : end->particles) particle += particle0;
-  }
+  for (std::uint32_t i = 0; i < rods_at.count(); ++i) rods_at_.replace(first.particles + i, rods_at.of(i));
 
   const layouts::Islands islands = find_bent_islands(scene, SceneGraph(scene).view());
   const IslandElements elements(scene, islands);
   for (std::uint32_t i = 0; i < islands.count(); ++i) {
     const std::uint32_t number = spare_whole();
     Whole& whole = wholes_[number];
-    const auto list = [](Ids& to, std::span<const std::uint32_t> of, std::uint32_t first) {
-      for (const std::uint32_t each : of) to.push_back(first + each);
+    const auto list = [](Ids& to, std::span<const std::uint32_t> of, std::uint32_t from) {
+      for (const std::uint32_t each : of) to.push_back(from + each);
     };
-    list(whole.particles, islands.vertices(i), particle0);
-    list(whole.rods, islands.edges(i), rod0);
-    list(whole.bends, elements.bends_of(i), bend0);
-    list(whole.tackles, elements.tackles_of(i), tackle0);
+    list(whole.particles, islands.vertices(i), first.particles);
+    list(whole.rods, islands.edges(i), first.rods);
+    list(whole.bends, elements.bends_of(i), first.bends);
+    list(whole.tackles, elements.tackles_of(i), first.tackles);
     for (const std::uint32_t particle : whole.particles)
       if (fixed_[particle] == 0) whole_[particle] = number;
   }
 }
 
-Removed Breaks::island_to_remove(std::uint32_t particle) const {
+Removed Breaks::island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const {
   Removed out;
   if (whole_[particle] == none) {
     out.particles = {particle};
@@ -100,35 +91,57 @@ Removed Breaks::island_to_remove(std::uint32_t particle) const {
     out.rods.assign(rods.begin(), rods.end());
     return out;
   }
-  const Whole& whole = wholes_[whole_[particle]];
-  out.particles = whole.particles;
+  const std::span<const std::uint32_t> particles =
+      jointed.empty() ? std::span<const std::uint32_t>(wholes_[whole_[particle]].particles) : jointed;
+  out.particles.assign(particles.begin(), particles.end());
   sort_once(out.particles);
-  const auto has = [&](std::uint32_t each) { return whole_[each] == whole_[particle]; };
-  for (const std::uint32_t each : out.particles)
-    if (has(each)) out.rods.insert(out.rods.end(), rods_at(each).begin(), rods_at(each).end());
-  sort_once(out.rods);
-  out.bends = whole.bends;
-  for (const std::uint32_t bend : ended_) {
-    const auto of = particles_of(scene_now().bends[bend]);
-    if (std::any_of(of.begin(), of.end(), has)) out.bends.push_back(bend);
+  const auto has = [&](std::uint32_t each) {
+    return fixed_[each] == 0 && std::binary_search(out.particles.begin(), out.particles.end(), each);
+  };
+  const auto has_any_of = [&](const auto& of) { return std::any_of(of.begin(), of.end(), has); };
+  Ids wholes;
+  for (const std::uint32_t each : out.particles) {
+    if (fixed_[each] != 0) continue;
+    append(out.rods, rods_at(each));
+    if (wholes.empty() || wholes.back() != whole_[each]) wholes.push_back(whole_[each]);
   }
-  sort_once(out.bends);
-  out.tackles = whole.tackles;
-  sort_once(out.tackles);
+  sort_once(wholes);
+  const std::vector<Bend>& bends = scene_now().bends;
+  for (const std::uint32_t whole : wholes) {
+    for (const std::uint32_t bend : wholes_[whole].bends)
+      if (has_any_of(particles_of(bends[bend]))) out.bends.push_back(bend);
+    append(out.tackles, wholes_[whole].tackles);
+  }
+  for (const std::uint32_t bend : ended_)
+    if (has_any_of(particles_of(bends[bend]))) out.bends.push_back(bend);
+  for (Ids* const list : {&out.rods, &out.bends, &out.tackles}) sort_once(*list);
   return out;
 }
 
-void Breaks::remove(const Removed& what) {
-  const auto is_listed = [](const Ids& list) {
-    return [&](std::uint32_t each) { return std::binary_search(list.begin(), list.end(), each); };
-  };
+/// Lets wholes lose what is removed. Nothing is left of most; those that joints or shapes hold may have come
+/// apart.
+void Breaks::remove_from_wholes(const Removed& what) {
+  Ids wholes;
   for (const std::uint32_t particle : what.particles)
-    if (const std::uint32_t number = whole_[particle]; number != none) {
-      whole_[particle] = none;
-      if (wholes_[number].particles.empty()) continue;
-      wholes_[number] = {};
+    if (const std::uint32_t number = std::exchange(whole_[particle], none); number != none)
+      if (wholes.empty() || wholes.back() != number) wholes.push_back(number);
+  sort_once(wholes);
+  for (const std::uint32_t number : wholes) {
+    Whole& whole = wholes_[number];
+    const auto stays = [&](std::uint32_t particle) { return whole_[particle] == number; };
+    if (std::none_of(whole.particles.begin(), whole.particles.end(), stays)) {
+      whole = {};
       spare_.push_back(number);
+      continue;
     }
+    std::erase_if(whole.particles, is_listed_in(what.particles));
+    std::erase_if(whole.rods, is_listed_in(what.rods));
+    std::erase_if(whole.bends, is_listed_in(what.bends));
+  }
+}
+
+void Breaks::remove(const Removed& what) {
+  remove_from_wholes(what);
   for (const std::uint32_t rod : what.rods) {
     for (const std::uint32_t end : {scene_now().rods[rod].a, scene_now().rods[rod].b}) {
       Ids left;
@@ -142,8 +155,8 @@ void Breaks::remove(const Removed& what) {
     fixed_[particle] = 1;
     masses_.erase(particle);
   }
-  if (!weak_.empty()) std::erase_if(weak_, is_listed(what.rods));
-  if (!ended_.empty()) std::erase_if(ended_, is_listed(what.bends));
+  if (!weak_.empty()) std::erase_if(weak_, is_listed_in(what.rods));
+  if (!ended_.empty()) std::erase_if(ended_, is_listed_in(what.bends));
 }
 
 }  // namespace plumb::detail

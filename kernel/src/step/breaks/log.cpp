@@ -14,8 +14,8 @@ void Log::push(Split split) {
   const Serial serial = put(std::move(split));
   Entry& entry = entries_.at(serial);
   for (const Addition& added : entry.split.added) {
-    entry.left = static_cast<std::uint32_t>(added.particles.size());
-    const std::size_t first = added.first.particle, end = first + entry.left;
+    entry.left = static_cast<std::uint32_t>(added.scene.particles.size());
+    const std::size_t first = added.first.particles, end = first + entry.left;
     if (end > additions_.size()) additions_.resize(end, none);
     std::fill(additions_.begin() + static_cast<std::ptrdiff_t>(first),
               additions_.begin() + static_cast<std::ptrdiff_t>(end), serial);

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/lists/by_kind.hpp"
+
 namespace plumb::detail {
 
 /// Gives numbers to what is added to a world, and takes back those of what is removed. They depend on what
@@ -14,7 +16,7 @@ namespace plumb::detail {
 /// as something else gets the number.
 class Numbers {
  public:
-  explicit Numbers(std::size_t count) : count_(static_cast<std::uint32_t>(count)) {}
+  explicit Numbers(std::size_t count = 0) : count_(static_cast<std::uint32_t>(count)) {}
 
   /// Returns how many numbers there are, with those that nothing has.
   std::uint32_t count() const { return count_; }
@@ -57,15 +59,13 @@ class Numbers {
 };
 
 /// Holds the numbers of all that may be added.
-struct Population {
-  Numbers particles, rods, bends, tackles, capsules;
-
-  friend bool operator==(const Population&, const Population&) = default;
-};
-template <class Archive>
-void visit_members(Archive& archive, Population& of) {
-  auto& [particles, rods, bends, tackles, capsules] = of;
-  archive(particles, rods, bends, tackles, capsules);
+using Population = ByKind<Numbers>;
+/// Returns the numbers of all that a scene has.
+inline Population population_of(const Scene& scene) {
+  const ByKind<std::uint32_t> sizes = sizes_of(scene);
+  Population out;
+  for (std::size_t kind = 0; kind < out.kinds; ++kind) *out.all()[kind] = Numbers(*sizes.all()[kind]);
+  return out;
 }
 
 }  // namespace plumb::detail

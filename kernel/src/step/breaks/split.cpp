@@ -156,7 +156,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   compiled_.info.islands += made.info.islands - islands;
   seat(std::move(made.solvers), now.seats);
   put_places(fallen, made, now.seats);
-  if (!fallen.parts.empty()) put_parts(parts);
+  if (!fallen.parts.empty()) compiled_.info.islands += put_parts(parts);
   find_heads(fallen.of_linkages);
   for (std::size_t k = 0; k < linkages_slept.size(); ++k)
     if (linkages_slept[k] != 0 && events_.is_head(fallen.of_linkages[k]))

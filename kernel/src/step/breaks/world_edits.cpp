@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "contact/platforms/anchored.hpp"
 #include "relax/plan.hpp"
@@ -16,18 +17,10 @@ namespace {
 /// Refuses what cannot be added to a world that runs.
 void require_addable(const Scene& scene) {
   const auto require_none = [](const char* what, const auto& list) {
-    if (!list.empty())
-      refuse(what, " 0: cannot be added to a world; particles, rods, bends, tackles and capsules can");
+    if (!list.empty()) refuse(what, " 0: cannot be added to a world that runs");
   };
   require_none("twist", scene.twists);
   require_none("reel", scene.reels);
-  require_none("body", scene.bodies);
-  require_none("pin", scene.pins);
-  require_none("alignment", scene.alignments);
-  require_none("angle", scene.angles);
-  require_none("spring", scene.springs);
-  require_none("torsion", scene.torsions);
-  require_none("hull", scene.hulls);
   require_none("plane", scene.planes);
   require_none("box", scene.boxes);
   require_none("platform", scene.platforms);
@@ -40,9 +33,6 @@ void require_addable(const Scene& scene) {
   for (std::size_t i = 0; i < scene.capsules.size(); ++i)
     if (detail::is_anchored(scene, scene.capsules[i]))
       refuse("capsule ", i, ": nothing movable has it, and ground cannot be added to a world");
-  for (std::size_t i = 0; i < scene.rods.size(); ++i)
-    if (scene.rods[i].linear_drag != 0 || scene.rods[i].orthogonal_drag != 0)
-      refuse("rod ", i, ": is slowed by air, and cannot be added to a world");
   if (scene.particles.empty()) refuse("the scene has no particles to be added");
 }
 
@@ -130,7 +120,7 @@ Handle<Rod> World::join(const Rod& rod) {
   alone.drag = impl_->step->drag();
   const std::uint32_t number = impl_->step->join(known, alone);
   impl_->fit_numbers();
-  return rod_handle(number);
+  return handle<Rod>(number);
 }
 Handle<Rod> World::join(Handle<Particle> a, Handle<Particle> b, Rod rod) {
   rod.a = number(a);
@@ -141,12 +131,7 @@ Handle<Rod> World::join(Handle<Particle> a, Handle<Particle> b, Rod rod) {
 // --- What is added and removed
 
 void World::Impl::fit_numbers() {
-  const detail::Population& numbers = step->population();
-  rods = numbers.rods.count();
-  tackles = numbers.tackles.count();
-  of_kind[static_cast<std::size_t>(ShapeKind::capsule)] = numbers.capsules.count();
-  shapes = numbers.capsules.count() + of_kind[static_cast<std::size_t>(ShapeKind::hull)];
-  fixed.resize(numbers.particles.count(), 0);
+  fixed.resize(step->population().particles.count(), 0);
   if (bodies.count() == 0) return;
   positions.resize(fixed.size());
   velocities.resize(fixed.size());
@@ -157,16 +142,21 @@ Added World::add(const Scene& scene) {
   require_addable(scene);
   if (scene.drag != impl_->step->drag())
     refuse("drag: what is added has ", scene.drag, " 1/s, and the world has ", impl_->step->drag());
-  if (scene.joint_drag != 0) refuse("joint drag: what is added to a world has no joints");
+  if (scene.joint_drag != impl_->step->joint_drag())
+    refuse("joint drag: what is added has ", scene.joint_drag, " 1/s, and the world has ",
+           impl_->step->joint_drag());
   if (!impl_->step->has_archive())
     refuse("springs, multipliers and featherstone add nothing to a world; relax, direct and auto do");
   detail::require_addressable(std::uint64_t{particle_count()} + scene.particles.size(),
                               std::uint64_t{rod_count()} + scene.rods.size());
-  const Added first = impl_->step->add(scene);
+  const detail::ByKind<std::uint32_t> first = impl_->step->add(scene);
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
+    impl_->bodies.take(impl_->step->scene(), first.bodies + i);
   impl_->fit_numbers();
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
-    impl_->fixed[first.particle + i] = scene.particles[i].fixed ? 1 : 0;
-  return first;
+    impl_->fixed[first.particles + i] = scene.particles[i].fixed ? 1 : 0;
+  return {first.particles, first.rods,    first.bends,    first.tackles,  first.bodies, first.pins,
+          first.angles,    first.springs, first.torsions, first.capsules, first.hulls};
 }
 
 void World::remove(std::uint32_t particle) {
@@ -176,51 +166,77 @@ void World::remove(std::uint32_t particle) {
 
 namespace {
 
+/// Says how messages call an item, and where a world keeps its numbers.
+struct ItemKind {
+  const char* name;
+  detail::Numbers detail::Population::*numbers;
+};
 template <class Item>
-std::uint32_t number_of(const detail::Numbers& numbers, const char* what, Handle<Item> handle) {
-  const auto [number, generation] = handle;
-  if (!handle) refuse(what, ": the handle names none");
-  if (number >= numbers.count() || numbers.generation(number) < generation || generation % 2 == 0)
-    refuse(what, ' ', number, ": the handle, of generation ", generation, ", is not of this world");
-  if (numbers.generation(number) != generation)
-    refuse(what, ' ', number, ": was removed; its handle is of generation ", generation, ", now ",
-           numbers.generation(number));
-  return number;
+constexpr ItemKind kind_of() {
+  using detail::Population;
+  if constexpr (std::is_same_v<Item, Particle>) return {"particle", &Population::particles};
+  if constexpr (std::is_same_v<Item, Rod>) return {"rod", &Population::rods};
+  if constexpr (std::is_same_v<Item, Bend>) return {"bend", &Population::bends};
+  if constexpr (std::is_same_v<Item, Tackle>) return {"tackle", &Population::tackles};
+  if constexpr (std::is_same_v<Item, Body>) return {"body", &Population::bodies};
+  if constexpr (std::is_same_v<Item, Pin>) return {"pin", &Population::pins};
+  if constexpr (std::is_same_v<Item, Alignment>) return {"alignment", &Population::alignments};
+  if constexpr (std::is_same_v<Item, AngleControl>) return {"angle", &Population::angles};
+  if constexpr (std::is_same_v<Item, Spring>) return {"spring", &Population::springs};
+  if constexpr (std::is_same_v<Item, Torsion>) return {"torsion", &Population::torsions};
+  if constexpr (std::is_same_v<Item, Capsule>) return {"capsule", &Population::capsules};
+  if constexpr (std::is_same_v<Item, Hull>) return {"hull", &Population::hulls};
 }
 
+}  // namespace
+
 template <class Item>
-Handle<Item> handle_of(const detail::Numbers& numbers, std::uint32_t number) {
+Handle<Item> World::handle(std::uint32_t number) const {
+  constexpr ItemKind kind = kind_of<Item>();
+  const detail::Numbers& numbers = impl_->step->population().*kind.numbers;
+  Impl::require_one_of(numbers.count(), kind.name, number);
   if (!numbers.has(number)) return {};
   return {number, numbers.generation(number)};
 }
 
 template <class Item>
-bool names_one(const detail::Numbers& numbers, Handle<Item> handle) {
-  return handle && handle.number < numbers.count() &&
-         numbers.generation(handle.number) == handle.generation && numbers.has(handle.number);
+std::uint32_t World::number(Handle<Item> handle) const {
+  constexpr ItemKind kind = kind_of<Item>();
+  const detail::Numbers& numbers = impl_->step->population().*kind.numbers;
+  const auto [number, generation] = handle;
+  if (!handle) refuse(kind.name, ": the handle names none");
+  if (number >= numbers.count() || numbers.generation(number) < generation || generation % 2 == 0)
+    refuse(kind.name, ' ', number, ": the handle, of generation ", generation, ", is not of this world");
+  if (numbers.generation(number) != generation)
+    refuse(kind.name, ' ', number, ": was removed; its handle is of generation ", generation, ", now ",
+           numbers.generation(number));
+  return number;
 }
 
-}  // namespace
+template <class Item>
+bool World::has(Handle<Item> handle) const {
+  const detail::Numbers& numbers = impl_->step->population().*kind_of<Item>().numbers;
+  const auto [number, generation] = handle;
+  return handle && number < numbers.count() && numbers.generation(number) == generation &&
+         numbers.has(number);
+}
 
-Handle<Particle> World::particle_handle(std::uint32_t particle) const {
-  Impl::require_one_of(particle_count(), "particle", particle);
-  return handle_of<Particle>(impl_->step->population().particles, particle);
-}
-Handle<Rod> World::rod_handle(std::uint32_t rod) const {
-  Impl::require_one_of(rod_count(), "rod", rod);
-  return handle_of<Rod>(impl_->step->population().rods, rod);
-}
-std::uint32_t World::number(Handle<Particle> particle) const {
-  return number_of(impl_->step->population().particles, "particle", particle);
-}
-std::uint32_t World::number(Handle<Rod> rod) const {
-  return number_of(impl_->step->population().rods, "rod", rod);
-}
-bool World::has(Handle<Particle> particle) const {
-  return names_one(impl_->step->population().particles, particle);
-}
-bool World::has(Handle<Rod> rod) const {
-  return names_one(impl_->step->population().rods, rod);
-}
+#define PLUMB_NAMES(Item)                                             \
+  template PLUMB_API Handle<Item> World::handle(std::uint32_t) const; \
+  template PLUMB_API std::uint32_t World::number(Handle<Item>) const; \
+  template PLUMB_API bool World::has(Handle<Item>) const;
+PLUMB_NAMES(Particle)
+PLUMB_NAMES(Rod)
+PLUMB_NAMES(Bend)
+PLUMB_NAMES(Tackle)
+PLUMB_NAMES(Body)
+PLUMB_NAMES(Pin)
+PLUMB_NAMES(Alignment)
+PLUMB_NAMES(AngleControl)
+PLUMB_NAMES(Spring)
+PLUMB_NAMES(Torsion)
+PLUMB_NAMES(Capsule)
+PLUMB_NAMES(Hull)
+#undef PLUMB_NAMES
 
 }  // namespace plumb

@@ -69,15 +69,8 @@ std::unique_ptr<Step> Step::changed(const Settings& settings) const {
 
 /// Takes all that steps and programs changed of a world whose solvers are the same.
 void Step::copy_state(const Step& from) {
-  auto& of = const_cast<Step&>(from);  // which archives read alone
-  Archive measured = Archive::measure();
-  of.archive(measured);
-  std::vector<std::byte> bytes(measured.size());
-  Archive saved = Archive::save(bytes);
-  of.archive(saved);
   const Settings settings = settings_;
-  Archive restored = Archive::restore(bytes);
-  archive(restored);
+  copy_listed(from, *this);
   settings_ = settings;  // The rules of before came along.
   for_solvers([&](Solver& solver) {
     solver.set_stop_rule(settings.stop);

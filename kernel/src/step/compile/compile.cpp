@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
+#include "contact/shapes/hulls/convex_hull.hpp"
 #include "direct/direct_solvers.hpp"
 #include "direct/trees/tree_kind.hpp"
 #include "plumb/layouts/islands.hpp"
@@ -33,22 +35,6 @@ bool has_point_masses(const Scene& scene, std::size_t body) {
   return true;
 }
 
-/// Returns whether anything may touch, now or once it is added, or an island may have more than particles and
-/// rods.
-bool needs_contact_stage(const Scene& scene) {
-  const bool has_ground = !scene.planes.empty() || !scene.boxes.empty() || !scene.ground_capsules.empty() ||
-                          !scene.ground_hulls.empty() || !scene.meshes.empty() ||
-                          !scene.height_fields.empty();
-  const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
-                          !scene.angles.empty() || !scene.springs.empty() || !scene.torsions.empty() ||
-                          !scene.capsules.empty() || scene.joint_drag != 0;
-  return has_joints || has_ground ||
-         std::any_of(scene.particles.begin(), scene.particles.end(),
-                     [](const Particle& particle) { return particle.asleep; }) ||
-         std::any_of(scene.rods.begin(), scene.rods.end(),
-                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
-}
-
 class Compiler {
  public:
   Compiler(const Scene& scene, const Settings& settings)
@@ -77,43 +63,49 @@ class Compiler {
 
   Compiled make_addition(const Compiled& whole) {
     require_laws_moved();
+    require_springs_moved();
+    if (needs_contact_stage(scene_)) leave_to_contact(whole);
     require_elements_moved();
-    if (!scene_.capsules.empty()) require_plain_shapes(whole);
     start_ = {.relaxed_rods = whole.info.relaxed_rods, .kinds = whole.kinds};
     return make_from(shares_of(islands_));
   }
 
  private:
-  /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
   void make_contact() {
     const SceneParts parts(scene_);
     if (method_row(settings_.method).make_jointed) return make_jointed(parts);
     contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
-    for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
-      require_no_elements(parts.particles(p));
-      if (is_plain(parts.part(p))) continue;
-      require_joints_moved(parts.part(p), parts.particles(p).front());
-      ++out_.info.islands;
-      for (const std::uint32_t particle : parts.particles(p))
-        if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
-    }
+    find_jointed(parts);
     start_.projected_velocity = contact_->project_initial_velocities();
     out_.info.direct_gradient = settings_.gradient.value_or(Gradient::old);
   }
 
-  /// Refuses to add shapes to what cannot go home, or where no contact solver is.
-  void require_plain_shapes(const Compiled& whole) {
-    if (whole.contact == nullptr)
-      refuse("capsule 0: cannot be added, since the world began without ground and shapes");
-    const SceneParts parts(scene_);
+  /// Finds which particles belong to islands that the contact solver alone can move. Returns a particle of
+  /// the first island that it knows, if there is one.
+  std::optional<std::uint32_t> find_jointed(const SceneParts& parts) {
+    std::optional<std::uint32_t> first;
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      if (parts.part(p).capsules.empty()) continue;
+      const bool plain = is_plain(parts.part(p));
+      if (plain && parts.part(p).capsules.empty()) continue;
+      if (!first) first = parts.particles(p).front();
       require_no_elements(parts.particles(p));
-      if (!is_plain(parts.part(p)))
-        refuse("particle ", parts.particles(p).front(),
-               ": its island has capsules, and is added to a world with particles and rigid rods alone");
+      if (plain) continue;
+      require_joints_moved(parts.part(p), parts.particles(p).front());
+      leave_out(parts.particles(p));
     }
+    return first;
+  }
+
+  /// Finds likewise what an addition leaves to the world's contact solver.
+  void leave_to_contact(const Compiled& whole) {
+    const std::optional<std::uint32_t> first = find_jointed(SceneParts(scene_));
+    if (first && !whole.contact)
+      refuse("particle ", *first,
+             ": its island has shapes, bodies, joints or air, which cannot be added to a ",
+             "world that began without them and without ground");
+    out_.needs_contact = first.has_value();
+    // A hull whose surface rounding leaves open is refused now, while nothing has changed.
+    for (const Hull& hull : scene_.hulls) static_cast<void>(ConvexHull(hull.points));
   }
 
   /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.
@@ -124,11 +116,16 @@ class Compiler {
                to_string(settings_.method), " lets nothing touch; relax, direct and auto do");
       if (is_plain(parts.part(p))) continue;
       require_no_elements(parts.particles(p));
-      ++out_.info.islands;
-      for (const std::uint32_t particle : parts.particles(p))
-        if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
+      leave_out(parts.particles(p));
       add(method_row(settings_.method).make_jointed(parts.part(p), parts.particles(p), settings_, start_));
     }
+  }
+
+  /// Leaves an island to what moves joints.
+  void leave_out(std::span<const std::uint32_t> particles) {
+    ++out_.info.islands;
+    for (const std::uint32_t particle : particles)
+      if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
   }
 
   /// Refuses springs and torsions where the method does not know them.

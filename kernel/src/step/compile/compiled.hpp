@@ -19,6 +19,7 @@ struct Compiled {
   Places twists;                     ///< where twists are
   ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
   std::shared_ptr<TreeKinds> kinds;  ///< of trees that are solved directly
+  bool needs_contact = false;        ///< An addition has islands that the contact solver is to know.
   WorldInfo info;
 };
 
@@ -30,8 +31,9 @@ Compiled compile(const Scene& scene, const Settings& settings);
 /// was asked then. Solvers are not started: set_motion() hands them how islands move.
 Compiled compile_parts(const Scene& parts, const Settings& settings, const Compiled& whole);
 
-/// Does so with islands that are added to a scene compiled before, which has no shapes, joints, twists nor
-/// reels. Solvers are started as those of a scene, and what those refuse is refused.
+/// Does so with islands that are added to a scene compiled before, which have no twists nor reels. Solvers
+/// are started as those of a scene, and what those refuse is refused. Those that only the contact solver can
+/// move are left to it.
 Compiled compile_addition(const Scene& addition, const Settings& settings, const Compiled& whole);
 
 }  // namespace plumb::detail

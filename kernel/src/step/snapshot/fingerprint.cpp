@@ -7,6 +7,7 @@
 
 #include "interface/archive.hpp"
 #include "math/byte_sum.hpp"
+#include "scene/lists/scene_members.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -20,8 +21,8 @@ std::uint64_t word_at(const std::byte* from, std::size_t count = 8) {
   return word;
 }
 
-/// Takes in all members of what describes scenes and settings. Structs are listed below by all their members,
-/// so that a new member does not compile before it is listed.
+/// Takes in all members of what describes scenes and settings. Structs are listed by all their members, below
+/// or where archives find them, so that a new member does not compile before it is listed.
 class Digest {
  public:
   std::uint64_t value() const { return sum_; }
@@ -37,7 +38,7 @@ class Digest {
     if constexpr (is_dense<T>)
       take({reinterpret_cast<const std::byte*>(&value), sizeof value});
     else
-      visit_members(*this, value);
+      visit_members(*this, const_cast<T&>(value));  // which is read alone
   }
   void one(const bool& value) { sum_ = mixed(sum_, value ? 1 : 0); }
   template <class T>
@@ -59,35 +60,6 @@ class Digest {
 };
 
 // clang-format off
-void visit_members(Digest& to, const Particle& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
-void visit_members(Digest& to, const RodLaw& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const Rod& of) {
-  auto& [a, b, c, d, e, f, g, h, i] = of;
-  to(a, b, c, d, e, f, g, h, i);
-}
-void visit_members(Digest& to, const Bend& of) { auto& [a, b, c, d, e, f] = of; to(a, b, c, d, e, f); }
-void visit_members(Digest& to, const Point& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const Twist& of) { auto& [a, b, c] = of; to(a, b, c); }
-void visit_members(Digest& to, const Tackle& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const Reel& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const Inertia& of) { auto& [a, b, c, d, e, f] = of; to(a, b, c, d, e, f); }
-void visit_members(Digest& to, const Body& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const Pin& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const Direction& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const Alignment& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const AngleControl& of) {
-  auto& [a, b, c, d, e, f, g, h] = of;
-  to(a, b, c, d, e, f, g, h);
-}
-void visit_members(Digest& to, const Spring& of) { auto& [a, b, c, d, e, f, g] = of; to(a, b, c, d, e, f, g); }
-void visit_members(Digest& to, const Torsion& of) { auto& [a, b, c, d, e, f, g] = of; to(a, b, c, d, e, f, g); }
-void visit_members(Digest& to, const Surface& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const Filter& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const Capsule& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
-void visit_members(Digest& to, const Hull& of) {
-  auto& [body, points, radius, surface, filter] = of;
-  to(body, points, radius, surface, filter);
-}
 void visit_members(Digest& to, const GroundMotion& of) { auto& [a, b] = of; to(a, b); }
 void visit_members(Digest& to, const Plane& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
 void visit_members(Digest& to, const Box& of) { auto& [a, b, c, d, e, f] = of; to(a, b, c, d, e, f); }

@@ -43,9 +43,8 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 }  // namespace
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
-  auto& [step, fixed, precision, rods, tackles, twists, pins, angles, springs, torsions, shapes, of_kind,
-         platforms, targets, chains, bodies, positions, velocities, tensions, contacts, events, time,
-         fingerprint] = of;
+  auto& [step, fixed, precision, twists, of_kind, platforms, targets, chains, bodies, positions, velocities,
+         tensions, contacts, events, time, fingerprint] = of;
   archive(time, platforms, targets);
 }
 
@@ -58,7 +57,10 @@ void World::Impl::archive(Archive& archive) {
     archive_own(archive, *this);
     return step->archive(archive);
   }
-  if (auto other = step->restored_past(archive)) step = std::move(other);
+  if (auto other = step->restored_past(archive)) {
+    step = std::move(other);
+    bodies = detail::BodyPoses(step->scene());
+  }
   archive_own(archive, *this);
   step->archive(archive);
   fit_numbers();

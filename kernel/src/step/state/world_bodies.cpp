@@ -44,6 +44,7 @@ void World::copy_poses(std::span<Pose> out) const {
   if (out.empty()) return;
   impl_->step->copy_positions(impl_->positions);
   impl_->bodies.copy_poses(impl_->positions, out);
+  impl_->step->population().bodies.for_free([&](std::uint32_t body) { out[body] = {}; });
 }
 
 void World::copy_motions(std::span<BodyMotion> out) const {
@@ -52,6 +53,7 @@ void World::copy_motions(std::span<BodyMotion> out) const {
   impl_->step->copy_positions(impl_->positions);
   impl_->step->copy_velocities(impl_->velocities);
   impl_->bodies.copy_motions(impl_->positions, impl_->velocities, out);
+  impl_->step->population().bodies.for_free([&](std::uint32_t body) { out[body] = {}; });
 }
 
 }  // namespace plumb

@@ -119,7 +119,7 @@ std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
                       std::back_inserter(others));
   std::vector<ContactSolver::Made> out = contact.make_anew(others, fallen.part_edits);
   if (fallen.met.empty()) return out;
-  NamedPart now{.particles = fallen.particles, .rods = fallen.rods};
+  NamedPart now{.names = {.particles = fallen.particles, .rods = fallen.rods}};
   now.scene.gravity = fallen.scene.gravity;
   now.scene.drag = fallen.scene.drag;
   now.scene.particles = fallen.scene.particles;
@@ -132,13 +132,15 @@ std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
 }
 
 /// Leads from particles to where the contact solver has their new islands, and from those to their homes.
-void Step::put_parts(std::span<const ContactSolver::Made> made) {
+/// Returns how many have none.
+std::uint32_t Step::put_parts(std::span<const ContactSolver::Made> made) {
   ContactSolver& contact = *compiled_.contact;
   const auto number = static_cast<std::uint32_t>(
       std::find_if(compiled_.solvers.begin(), compiled_.solvers.end(),
                    [&](const auto& each) { return each.get() == compiled_.contact; }) -
       compiled_.solvers.begin());
   std::vector<Place> places;
+  std::uint32_t homeless = 0;
   for (const auto& [island, visits] : made) {
     const auto particles = contact.particles_of(island);
     const Slot first = contact.first_slot(island);
@@ -150,7 +152,7 @@ void Step::put_parts(std::span<const ContactSolver::Made> made) {
       contact.set_home(island, *compiled_.solvers[home], home, std::move(at_home));
       if (visits) contact.stay_away(island);
     } else {
-      ++compiled_.info.islands;
+      ++homeless;
     }
     for (std::uint32_t k = 0; k < particles.size(); ++k) {
       const auto others = compiled_.places.of(particles[k]);
@@ -162,6 +164,7 @@ void Step::put_parts(std::span<const ContactSolver::Made> made) {
     }
   }
   compiled_.places.find_runs(compiled_.solvers);
+  return homeless;
 }
 
 }  // namespace plumb::detail

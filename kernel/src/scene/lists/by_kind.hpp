@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// Holds one thing for each kind of what islands are made of, such as numbers or owners.
+template <class T>
+struct ByKind {
+  T particles{}, rods{}, bends{}, tackles{}, bodies{}, pins{}, alignments{}, angles{}, springs{}, torsions{},
+      capsules{}, hulls{};
+
+  static constexpr std::size_t kinds = 12;
+  std::array<T*, kinds> all() {
+    return {&particles,  &rods,   &bends,   &tackles,  &bodies,   &pins,
+            &alignments, &angles, &springs, &torsions, &capsules, &hulls};
+  }
+  std::array<const T*, kinds> all() const {
+    return {&particles,  &rods,   &bends,   &tackles,  &bodies,   &pins,
+            &alignments, &angles, &springs, &torsions, &capsules, &hulls};
+  }
+
+  friend bool operator==(const ByKind&, const ByKind&) = default;
+};
+
+template <class Archive, class T>
+void visit_members(Archive& archive, ByKind<T>& of) {
+  for (T* const each : of.all()) archive(*each);
+}
+
+/// Returns references to the lists of what a world can have more and less of, in the order of kinds.
+template <class SceneOrConst>
+auto lists_of(SceneOrConst& scene) {
+  auto lists =
+      std::tie(scene.particles, scene.rods, scene.bends, scene.tackles, scene.bodies, scene.pins,
+               scene.alignments, scene.angles, scene.springs, scene.torsions, scene.capsules, scene.hulls);
+  static_assert(std::tuple_size_v<decltype(lists)> == ByKind<int>::kinds);
+  return lists;
+}
+
+/// Calls f(kind, list...) for each kind, with its lists of these scenes.
+template <class F, class... Scenes>
+void for_lists(F&& f, Scenes&... scenes) {
+  const auto call = [&]<std::size_t... kind>(std::index_sequence<kind...>) {
+    const auto one = [&]<std::size_t of>() { f(of, std::get<of>(lists_of(scenes))...); };
+    (one.template operator()<kind>(), ...);
+  };
+  call(std::make_index_sequence<ByKind<int>::kinds>());
+}
+
+/// Returns how many a scene has of each kind.
+inline ByKind<std::uint32_t> sizes_of(const Scene& scene) {
+  ByKind<std::uint32_t> out;
+  for_lists(
+      [&](std::size_t kind, const auto& list) { *out.all()[kind] = static_cast<std::uint32_t>(list.size()); },
+      scene);
+  return out;
+}
+
+// --- Their particles, those of unread slots of places included
+
+template <class F>
+void for_particles(const Particle&, F&&) {}
+template <class F>
+void for_particles(Rod& of, F&& f) {
+  f(of.a);
+  f(of.b);
+}
+template <class F>
+void for_particles(Bend& of, F&& f) {
+  f(of.a);
+  f(of.b);
+  f(of.c);
+}
+template <class F>
+void for_particles(Tackle& of, F&& f) {
+  for (std::uint32_t& particle : of.particles) f(particle);
+}
+template <class F>
+void for_particles(Body& of, F&& f) {
+  for (std::uint32_t& particle : of.particles) f(particle);
+}
+template <class F>
+void for_particles(Point& of, F&& f) {
+  for (std::uint32_t& particle : of.particles) f(particle);
+}
+template <class F>
+void for_particles(Direction& of, F&& f) {
+  for_particles(of.from, f);
+  for_particles(of.to, f);
+}
+template <class F>
+void for_particles(Torsion& of, F&& f) {
+  for_particles(of.axis, f);
+  for_particles(of.u, f);
+  for_particles(of.v, f);
+}
+template <class F>
+void for_particles(const Hull&, F&&) {}
+/// Pins, springs and capsules have two places.
+template <class Item, class F>
+requires requires(Item& of) {
+  of.a.weights;
+}
+void for_particles(Item& of, F&& f) {
+  for_particles(of.a, f);
+  for_particles(of.b, f);
+}
+/// Alignments and angles have two directions.
+template <class Item, class F>
+requires requires(Item& of) {
+  of.u.from;
+  requires !requires {
+    of.axis;
+  };
+}
+void for_particles(Item& of, F&& f) {
+  for_particles(of.u, f);
+  for_particles(of.v, f);
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,404 @@
+// Crates, jointed bodies, springs and air that are added to a world while it runs, and removed.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scene/lists/by_kind.hpp"
+#include "scene/lists/scene_members.hpp"
+#include "support/edited_worlds.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+using test::expect_refusal;
+
+constexpr double frame = 1.0 / 60, half = 0.1;
+
+/// Appends a cube of 1 kg with sides of 0.2 m, and returns its body.
+std::uint32_t add_crate(Scene& scene, Vec3 center) {
+  const std::uint32_t body =
+      add_body(scene, {.mass = 1, .center = center, .inertia = {.xx = 0.007, .yy = 0.007, .zz = 0.007}});
+  scene.hulls.push_back(box_on_body(body, {.center = center, .half_size = {half, half, half}}));
+  return body;
+}
+
+/// Appends two bodies with capsules, which a ball joint, a limited and driven angle, an alignment, a spring
+/// and a torsion hold together.
+void add_figure(Scene& scene, Vec3 at) {
+  const MassProperties limb{.mass = 1, .center = at, .inertia = {.xx = 0.02, .yy = 0.004, .zz = 0.02}};
+  MassProperties lower = limb;
+  lower.center = at - Vec3{0, 0.4, 0};
+  const std::uint32_t a = add_body(scene, limb), b = add_body(scene, lower);
+  const Vec3 middle = at - Vec3{0, 0.2, 0};
+  add_spherical(scene, point_on_body(scene, a, middle), point_on_body(scene, b, middle));
+  const auto way = [&](std::uint32_t body, Vec3 from, Vec3 to) {
+    return Direction{point_on_body(scene, body, from), point_on_body(scene, body, to)};
+  };
+  scene.angles.push_back({.u = way(a, at, at + Vec3{0, 0, 1}),
+                          .v = way(b, middle, middle - Vec3{0, 1, 0}),
+                          .lower = 1.2,
+                          .upper = 1.9,
+                          .stiffness = 2,
+                          .damping = 0.1});
+  scene.alignments.push_back({way(a, at, at + Vec3{1, 0, 0}), way(b, middle, middle - Vec3{0, 1, 0})});
+  scene.springs.push_back({.a = point_on_body(scene, a, at + Vec3{0.1, 0, 0}),
+                           .b = point_on_body(scene, b, lower.center + Vec3{0.1, 0, 0}),
+                           .length = 0.35,
+                           .stiffness = 5,
+                           .damping = 0.1});
+  const Direction axis = way(a, middle, middle + Vec3{1, 0, 0});
+  scene.torsions.push_back({.axis = axis,
+                            .u = way(a, middle, middle + Vec3{0, 1, 0}),
+                            .v = way(b, middle, middle + Vec3{0, 1, 0}),
+                            .angle = 0.2,
+                            .stiffness = 1,
+                            .damping = 0.1});
+  for (const std::uint32_t body : {a, b}) {
+    const Vec3 center = body == a ? at : lower.center;
+    scene.capsules.push_back({.a = point_on_body(scene, body, center + Vec3{0, 0.1, 0}),
+                              .b = point_on_body(scene, body, center - Vec3{0, 0.1, 0}),
+                              .radius = 0.05});
+  }
+}
+
+/// Appends a hose that gives and bends, with capsules, and hangs from its first particle if that is fixed.
+void add_hose(Scene& scene, Vec3 from, bool is_fixed) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  for (std::uint32_t i = 0; i <= 3; ++i)
+    scene.particles.push_back(
+        {.position = from + Vec3{0.1 * i, 0, 0}, .mass = 0.2, .fixed = is_fixed && i == 0});
+  for (std::uint32_t i = first; i < first + 3; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1, .law = {.stiffness = 4e3, .damping = 1}});
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+  }
+  for (std::uint32_t i = first; i < first + 2; ++i)
+    scene.bends.push_back({.a = i, .b = i + 1, .c = i + 2, .stiffness = 0.05, .damping = 1e-3});
+}
+
+Scene crate(Vec3 center) {
+  Scene out;
+  add_crate(out, center);
+  return out;
+}
+Scene figure(Vec3 at) {
+  Scene out;
+  add_figure(out, at);
+  return out;
+}
+Scene hose(Vec3 from, bool is_fixed) {
+  Scene out;
+  add_hose(out, from, is_fixed);
+  return out;
+}
+
+Scene floor_alone() {
+  Scene scene;
+  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
+  return scene;
+}
+
+template <class F>
+void for_settings(F&& f) {
+  for (const Method method : {Method::automatic, Method::direct, Method::relax})
+    for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_})
+      for (const unsigned threads : {1u, 2u}) {
+        SCOPED_TRACE(std::string(to_string(method)) + ' ' + std::string(to_string(gradient)) + ' ' +
+                     std::to_string(threads));
+        Settings settings{.method = method, .gradient = gradient, .substeps = 4, .threads = threads};
+        settings.tensions = settings.contacts = settings.events = true;
+        if (method == Method::relax) settings.stop.sweeps = 30;
+        f(settings);
+      }
+}
+
+void step(World& world, int times) {
+  for (int i = 0; i < times; ++i) world.step(frame);
+}
+
+/// Expects two worlds to be the same to the bit in all that can be read. NaN is what is not known yet.
+void expect_alike(const World& one, const World& other) {
+  ASSERT_EQ(one.state_hash(), other.state_hash());
+  ASSERT_EQ(one.body_count(), other.body_count());
+  for (std::uint32_t i = 0; i < one.body_count(); ++i) {
+    EXPECT_EQ(one.pose(i), other.pose(i)) << i;
+    EXPECT_EQ(one.motion(i), other.motion(i)) << i;
+  }
+  EXPECT_EQ(one.pin_force(0), other.pin_force(0));
+  EXPECT_EQ(one.angle_torque(0), other.angle_torque(0));
+  EXPECT_EQ(one.spring_force(0), other.spring_force(0));
+  EXPECT_EQ(one.torsion_torque(0), other.torsion_torque(0));
+  EXPECT_EQ(one.torsion_angle(0), other.torsion_angle(0));
+  for (std::uint32_t i = 0; i < one.rod_count(); ++i) EXPECT_EQ(one.tension(i), other.tension(i)) << i;
+  ASSERT_EQ(one.contacts().size(), other.contacts().size());
+  for (std::size_t i = 0; i < one.contacts().size(); ++i) {
+    EXPECT_EQ(one.contacts()[i].a, other.contacts()[i].a);
+    EXPECT_EQ(one.contacts()[i].b, other.contacts()[i].b);
+    EXPECT_EQ(one.contacts()[i].impulse, other.contacts()[i].impulse);
+  }
+}
+
+TEST(ByKind, ListsAllOfAScene) {
+  Scene scene = floor_alone();
+  add_figure(scene, {0, 1, 0});
+  add_crate(scene, {1, 1, 0});
+  add_hose(scene, {2, 1, 0}, true);
+  const detail::ByKind<std::uint32_t> sizes = detail::sizes_of(scene);
+  EXPECT_EQ(sizes.particles, scene.particles.size());
+  EXPECT_EQ(sizes.alignments, 1u);
+  EXPECT_EQ(sizes.hulls, 1u);
+  std::uint32_t moved = 0;
+  detail::for_lists(
+      [&](std::size_t, auto& list) {
+        for (auto& item : list) detail::for_particles(item, [&](std::uint32_t&) { ++moved; });
+      },
+      scene);
+  const std::uint32_t of_points = 4 * (2 * (sizes.pins + sizes.springs + sizes.capsules) +
+                                       4 * (sizes.alignments + sizes.angles) + 6 * sizes.torsions);
+  EXPECT_EQ(moved, 2 * sizes.rods + 3 * sizes.bends + 4 * sizes.bodies + of_points);
+}
+
+// Everything that is added in turn moves as if the world began with it.
+TEST(AddingBodies, DoAsTheyWouldFromTheStart) {
+  Scene whole = floor_alone();
+  add_figure(whole, {0, 0.9, 0});
+  add_crate(whole, {0.1, 1.5, 0.02});
+  add_hose(whole, {0.3, 0.5, -0.05}, true);
+  for_settings([&](const Settings& settings) {
+    if (settings.method == Method::relax && settings.gradient == Gradient::new_) return;  // not its own
+    World begun(whole, settings), grown(floor_alone(), settings);
+    EXPECT_EQ(grown.add(figure({0, 0.9, 0})).torsion, 0u);
+    const Added box = grown.add(crate({0.1, 1.5, 0.02}));
+    EXPECT_EQ(box.body, 2u);
+    EXPECT_EQ(box.hull, 0u);
+    EXPECT_EQ(grown.add(hose({0.3, 0.5, -0.05}, true)).capsule, 2u);
+    EXPECT_EQ(grown.info().islands, begun.info().islands);
+    EXPECT_EQ(grown.info().linkages, begun.info().linkages);
+    for (int i = 0; i < 40; ++i) {
+      begun.step(frame);
+      grown.step(frame);
+      ASSERT_NO_FATAL_FAILURE(expect_alike(begun, grown));
+      EXPECT_EQ(begun.reaction(12), grown.reaction(12)) << "of the hose";
+    }
+    EXPECT_FALSE(grown.contacts().empty());
+  });
+}
+
+// A crate that is dropped on another comes to rest on it, its forces are its weight, and its number goes on.
+TEST(AddingBodies, GetTheNumbersOfThoseThatAreGone) {
+  Scene scene = floor_alone();
+  add_crate(scene, {0, half, 0});
+  add_figure(scene, {3, 1, 0});
+  World world(scene, {.tensions = true, .events = true});
+  const Added first = world.add(crate({0, 3 * half + 0.01, 0}));
+  EXPECT_EQ(first.body, 3u);
+  EXPECT_EQ(first.hull, 1u);
+  step(world, 120);
+  EXPECT_NEAR(world.pose(3).position.y, 3 * half, 1e-3);
+  EXPECT_NEAR(world.contact_force({ShapeKind::hull, 1}).y, 9.81, 0.2);
+  std::vector<Vec3> forces(4);
+  world.copy_contact_forces(forces);
+  EXPECT_EQ(forces[3], world.contact_force(ShapeId{ShapeKind::hull, 1})) << "added hulls come last";
+  EXPECT_EQ(forces[3], world.contact_force(3u));
+
+  // What lies on the removed one wakes and falls.
+  world.remove(0);
+  step(world, 60);
+  EXPECT_NEAR(world.pose(3).position.y, half, 2e-3);
+  expect_refusal("body 0: was removed", [&] { (void)world.pose(0); });
+  EXPECT_FALSE(world.has_shape({ShapeKind::hull, 0}));
+  std::vector<Pose> poses(world.body_count());
+  world.copy_poses(poses);
+  EXPECT_EQ(poses[0], Pose{});
+  EXPECT_EQ(poses[3], world.pose(3));
+  const Added again = world.add(crate({1, half, 0}));
+  EXPECT_EQ(again.body, 0u);
+  EXPECT_EQ(again.hull, 0u);
+  EXPECT_EQ(again.particle, 0u);
+  EXPECT_NEAR(world.pose(0).position.x, 1, 1e-12);
+
+  // A figure goes with all its joints, from any of its particles.
+  const std::uint32_t of_figure = 4 + 7;
+  world.remove(of_figure);
+  expect_refusal("pin 0: was removed", [&] { (void)world.pin_force(0); });
+  expect_refusal("angle 0: was removed", [&] { (void)world.angle_torque(0); });
+  expect_refusal("spring 0: was removed", [&] { world.set_spring(0, {.length = 1}); });
+  expect_refusal("torsion 0: was removed", [&] { (void)world.torsion_angle(0); });
+  expect_refusal("particle 4: was removed", [&] { (void)world.velocity(4); });
+  EXPECT_EQ(world.add(figure({3, 1, 0})).pin, 0u);
+  step(world, 10);
+  EXPECT_TRUE(std::isfinite(norm(world.pin_force(0))));
+}
+
+// Removing and adding keeps memory, and a fresh world that is restored goes on alike.
+TEST(AddingBodies, ComeBackWithSnapshots) {
+  for_settings([](const Settings& settings) {
+    World world(floor_alone(), settings);
+    const Added gone = world.add(figure({5, 0.9, 0}));
+    world.add(crate({0, 0.3, 0}));
+    step(world, 6);
+    world.remove(gone.particle);
+    world.add(hose({0.05, 0.6, 0}, true));
+    world.add(figure({0.1, 1.2, 0}));
+    world.set_spring(0, {.length = 0.3, .stiffness = 8});
+    step(world, 6);
+    std::vector<std::byte> kept(world.snapshot_size());
+    world.save(kept);
+    const auto go_on = [](World& of) {
+      step(of, 30);
+      return of.state_hash();
+    };
+    const std::uint64_t hash = go_on(world);
+    const Pose pose = world.pose(2);
+    World fresh(floor_alone(), settings);
+    fresh.restore(kept);
+    EXPECT_EQ(go_on(fresh), hash);
+    EXPECT_EQ(fresh.pose(2), pose);
+    world.remove(world.body_count() > 0 ? 8 : 0);
+    world.restore(kept);
+    EXPECT_EQ(go_on(world), hash);
+    EXPECT_EQ(world.pose(2), pose);
+  });
+}
+
+TEST(AddingBodies, LeaveNothingOnceTheyAreGone) {
+  World world(floor_alone(), {.tensions = true});
+  world.add(hose({-1, 0.5, 0}, true));
+  std::size_t size = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Added added = world.add(figure({1.0 + i, 0.5, 0}));
+    EXPECT_EQ(added.body, 0u);
+    world.step(frame);
+    world.remove(added.particle + 5);
+    world.step(frame);
+    if (i == 1) size = world.snapshot_size();
+  }
+  EXPECT_LE(world.snapshot_size(), size);
+}
+
+// Other settings take them over, edits know them, and motion goes on without a jump.
+TEST(AddingBodies, AreMovedByOtherSettings) {
+  for_settings([](const Settings& settings) {
+    World world(floor_alone(), settings);
+    const Added added = world.add(figure({0, 0.9, 0}));
+    const Added hung = world.add(hose({1, 0.5, 0}, true));
+    step(world, 10);
+    const Pose before = world.pose(1);
+    const double turned = world.torsion_angle(0);
+    Settings changed = settings;
+    changed.method = settings.method == Method::relax ? Method::direct : Method::relax;
+    changed.gradient = Gradient::mid;
+    changed.stop = changed.method == Method::relax ? StopRule{.sweeps = 30} : StopRule{};
+    world.set_settings(changed);
+    EXPECT_EQ(world.pose(1), before);
+    EXPECT_NEAR(world.torsion_angle(0), turned, 1e-6);
+    step(world, 2);
+    EXPECT_LE(norm(world.pose(1).position - before.position), 0.2);
+    world.cut(hung.rod + 1);
+    step(world, 60);
+    EXPECT_LE(world.position(hung.particle + 3).y, 0.05) << "it fell";
+    EXPECT_GE(world.position(hung.particle + 1).y, 0.3) << "it hangs";
+    world.remove(hung.particle + 3);
+    EXPECT_TRUE(world.handle<Particle>(hung.particle + 1)) << "the rest hangs still";
+    world.remove(hung.particle + 1);
+    EXPECT_FALSE(world.handle<Particle>(hung.particle)) << "and took its anchor along";
+    world.remove(added.particle);
+    step(world, 2);
+    EXPECT_EQ(world.info().islands, 0u);
+  });
+}
+
+// Two bodies on one anchor: what holds it is what hangs from it, while they come and go.
+TEST(AddingBodies, PullAtAnchorsAsLongAsTheyHang) {
+  Scene scene;
+  const auto hang = [](Scene& to, Vec3 at) {
+    const std::uint32_t body =
+        add_body(to, {.mass = 2, .center = at, .inertia = {.xx = 0.1, .yy = 0.1, .zz = 0.1}});
+    to.particles[to.bodies[body].particles[0]].fixed = true;
+  };
+  hang(scene, {0, 0, 0});
+  World world(scene, {.gradient = Gradient::mid, .tensions = true});
+  Scene more;
+  hang(more, {5, 0, 0});
+  const Added added = world.add(more);
+  const auto momentum = [&](std::uint32_t body) { return 2 * world.motion(body).velocity; };
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 before = momentum(1);
+    world.step(frame);
+    const Vec3 gained = momentum(1) - before, held = world.reaction(added.particle);
+    EXPECT_LE(norm(gained - frame * (held - Vec3{0, 2 * 9.81, 0})), 1e-6) << i;
+  }
+  world.remove(added.particle + 1);
+  EXPECT_FALSE(world.handle<Particle>(added.particle));
+  step(world, 5);
+  EXPECT_TRUE(std::isfinite(norm(world.reaction(0))));
+}
+
+TEST(AddingBodies, AreFoundByQueriesAndDrawn) {
+  Scene scene = floor_alone();
+  add_crate(scene, {0, half, 0});
+  World world(scene, {});
+  Queries queries(scene, {.rod_radius = 0.01, .particle_radius = 0.01});
+  const auto look = [&](double x) {
+    queries.update(world);
+    return queries.cast_ray({.origin = {x, 5, 0}, .direction = {0, -1, 0}, .length = 10});
+  };
+  const QueryTarget ground{QueryTarget::Kind::shape, ShapeKind::plane, 0};
+  EXPECT_EQ(look(2).target, ground);
+  const Added added = world.add(crate({2, 1, 0}));
+  Hit hit = look(2);
+  EXPECT_EQ(hit.target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::hull, added.hull}));
+  EXPECT_NEAR(hit.distance, 4 - half, 1e-12);
+  EXPECT_EQ(look(0).target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::hull, 0}));
+  world.remove(0);
+  EXPECT_EQ(look(0).target, ground);
+  const Added again = world.add(crate({0, 1, 0}));
+  EXPECT_EQ(again.hull, 0u);
+  hit = look(0);
+  EXPECT_EQ(hit.target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::hull, 0}));
+  EXPECT_NEAR(hit.distance, 4 - half, 1e-12) << "where it is, not where the first was";
+  const Added limbs = world.add(figure({4, 1, 0}));
+  EXPECT_EQ(look(4).target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::capsule, limbs.capsule}));
+}
+
+TEST(AddingBodies, AreRefusedWithAReason) {
+  World world(floor_alone(), {});
+  Scene dragged = crate({0, 1, 0});
+  dragged.joint_drag = 1;
+  expect_refusal("joint drag: what is added has 1 1/s, and the world has 0", [&] { world.add(dragged); });
+  Scene grounded = crate({0, 1, 0});
+  grounded.boxes.push_back({.half_size = {1, 1, 1}});
+  expect_refusal("box 0: cannot be added", [&] { world.add(grounded); });
+  Scene pulled = hose({0, 1, 0}, false);
+  pulled.tackles.push_back({.particles = {0, 3}});
+  expect_refusal("tackle 0: its island has joints or shapes", [&] { world.add(pulled); });
+  Scene standing = crate({0, 1, 0});
+  for (Particle& each : standing.particles) each.fixed = true;
+  standing.rods.clear();
+  expect_refusal("cannot move; use ground hulls", [&] { world.add(standing); });
+  World heavy(floor_alone(), {.method = Method::relax, .stop = {.sweeps = 10}});
+  Scene uneven;
+  for (const Vec3 at : {Vec3{0, 1, 0}, Vec3{0.1, 1, 0}, Vec3{0, 1.1, 0}, Vec3{0, 1, 0.1}})
+    uneven.particles.push_back({.position = at});
+  add_body(uneven, {0, 1, 2, 3},
+           {.mass = 1, .center = {0.05, 1.05, 0.05}, .inertia = {.xx = 0.1, .yy = 0.1, .zz = 0.1}});
+  expect_refusal("which method relax cannot move", [&] { heavy.add(uneven); });
+  Scene rope;
+  rope.particles = {{.mass = 1}};
+  World bare(rope, {});
+  expect_refusal("began without them and without ground", [&] { bare.add(crate({0, 1, 0})); });
+  EXPECT_EQ(world.particle_count(), 0u);
+  EXPECT_EQ(heavy.body_count(), 0u);
+  step(world, 1);
+}
+
+}  // namespace
+}  // namespace plumb
