@@ -161,7 +161,7 @@ void add(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 15), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 16), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -189,6 +189,10 @@ bool edit(Twins& twins, Random& random) {
   if (kind == 9) {
     both([&](World& world) { world.free(particle); });
     return true;
+  }
+  if (kind == 15) {
+    both([&](World& world) { world.pack(); });
+    return false;
   }
   if (kind == 14) {
     add(twins, random);

@@ -152,8 +152,7 @@ class PLUMB_API World {
   void set_torsion(std::uint32_t torsion, const Torsion& to);
   /// See set_spring(). Throws InputError, too, on a drive or damper of an angle that the scene gave neither.
   void set_angle(std::uint32_t angle, const AngleControl& to);
-  /// Returns phi of a torsion in rad, whole turns since the start included. Throws InputError on an unknown
-  /// one.
+  /// Returns phi of a torsion in rad, with whole turns. Throws InputError on an unknown one.
   double torsion_angle(std::uint32_t torsion) const;
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. A broken
@@ -165,8 +164,7 @@ class PLUMB_API World {
   /// next step, as a motor at its end does. `angle` (rad) takes the place of Twist::angle. Throws InputError
   /// on an unknown twist or an angle that is not finite.
   void set_twist(std::uint32_t twist, double angle);
-  /// Returns how far an unbroken chain (Scene::twists) is twisted, in rad. Throws InputError on an unknown
-  /// one.
+  /// Returns how far an unbroken chain is twisted, in rad. Throws InputError on an unknown twist.
   double twist(std::uint32_t twist) const;
 
   /// Returns the pull of a rod in N, averaged over the last step: negative if it pushes, and 0 after it
@@ -174,8 +172,7 @@ class PLUMB_API World {
   /// relaxed rod is what sweeps found. It is NaN before the first step. Throws InputError on an unknown rod,
   /// or without Settings::tensions.
   double tension(std::uint32_t rod) const;
-  /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
-  /// without Settings::tensions.
+  /// Copies the pulls of all rods (N) into `out`, which has rod_count() elements. Throws as tension() does.
   void copy_tensions(std::span<double> out) const;
   /// Returns the power in W with which a rod that changes its length moved its island, averaged over the last
   /// step: what a winch does. It is positive where a pulling rod shortens, and 0 where lengths stay. With
@@ -243,6 +240,10 @@ class PLUMB_API World {
   /// Shapes, bodies, joints and springs of the island end, too. Throws InputError on islands with twists or
   /// reels.
   void remove(std::uint32_t particle);
+  /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
+  /// Edits leave islands with solvers of their own, which takes longer. That step takes as long as a start,
+  /// and wakes what may touch; nothing jumps. Throws InputError under springs, multipliers and featherstone.
+  void pack();
   /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
   template <class Item>

@@ -116,6 +116,8 @@ class Step {
   /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number.
   /// Throws InputError where an island cannot be made anew, and if the settings cannot move the rod.
   std::uint32_t join(const Rod& rod, const Scene& alone);
+  /// Lets all islands be made anew side by side.
+  void pack();
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
   /// Puts particles elsewhere at once. Throws InputError if rods do not fit then.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
@@ -221,6 +223,7 @@ class Step {
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
   void take_along(const Edits& edits);
+  void pack(std::vector<std::uint32_t>& parts);
   std::uint32_t put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,

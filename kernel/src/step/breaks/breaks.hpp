@@ -66,6 +66,15 @@ class Breaks {
   }
   /// Lets the island of a movable particle be made anew by the next take_out(), too.
   void take_along(std::uint32_t particle) { along_.push_back(particle); }
+  /// Does so with all islands that can be made anew.
+  void take_all_along() {
+    for (const Whole& whole : wholes_)
+      for (const std::uint32_t particle : whole.particles)
+        if (whole_[particle] != none) {
+          along_.push_back(particle);
+          break;
+        }
+  }
   std::span<const std::uint32_t> rods_at(std::uint32_t particle) const { return rods_at_.of(particle); }
   /// Returns the scene with what was added since. Of what was removed it has what was there last.
   const Scene& scene_now() const { return grown_ ? *grown_ : first_; }

@@ -43,14 +43,15 @@ struct Edits {
   std::vector<std::uint32_t> cut;                        ///< rods
   std::vector<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
   std::vector<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
+  bool packs = false;                                    ///< all islands are made anew, side by side
 
-  bool any() const { return !joined.empty() || !cut.empty() || !masses.empty() || !fixed.empty(); }
+  bool any() const { return !joined.empty() || !cut.empty() || !masses.empty() || !fixed.empty() || packs; }
   friend bool operator==(const Edits&, const Edits&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {
-  auto& [joined, cut, masses, fixed] = of;
-  archive(joined, cut, masses, fixed);
+  auto& [joined, cut, masses, fixed, packs] = of;
+  archive(joined, cut, masses, fixed, packs);
 }
 
 }  // namespace plumb::detail

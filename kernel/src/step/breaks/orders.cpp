@@ -193,6 +193,13 @@ void Step::set_mass(std::uint32_t particle, double mass) {
   edits_.masses.emplace_back(particle, mass);
 }
 
+void Step::pack() {
+  if (!has_archive())
+    refuse("method ", to_string(settings_.method), " packs no world; relax, direct and auto do");
+  breaks_.begin();
+  edits_.packs = true;
+}
+
 /// Tells all that know which particles are fixed of new ones. They are where their solvers still have them.
 void Step::refix(const Edits& edits) {
   for (const auto& [particle, is_fixed] : edits.fixed) {

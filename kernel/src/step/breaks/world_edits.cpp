@@ -164,6 +164,10 @@ void World::remove(std::uint32_t particle) {
   for (const std::uint32_t gone : impl_->step->remove(particle)) impl_->fixed[gone] = 0;
 }
 
+void World::pack() {
+  impl_->step->pack();
+}
+
 namespace {
 
 /// Says how messages call an item, and where a world keeps its numbers.

@@ -1,0 +1,184 @@
+// Worlds whose islands are laid side by side again after edits.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "support/edited_worlds.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+using test::expect_refusal;
+using test::for_methods;
+
+constexpr double frame = 1.0 / 60;
+constexpr std::uint32_t rods = 6;
+
+/// A rope that hangs level from its first particle, along z so that none meets another.
+Scene rope(double x, bool has_capsules = false) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= rods; ++i)
+    scene.particles.push_back({.position = {x, 1, 0.1 * i}, .mass = 0.2, .fixed = i == 0});
+  for (std::uint32_t i = 0; i < rods; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
+    if (has_capsules) scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+  }
+  return scene;
+}
+
+Scene floor_alone() {
+  Scene scene;
+  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
+  return scene;
+}
+
+void step(World& world, int times) {
+  for (int i = 0; i < times; ++i) world.step(frame);
+}
+
+double farthest(const World& one, const World& other) {
+  double most = 0;
+  for (std::uint32_t i = 0; i < one.particle_count(); ++i)
+    most = std::max(most, norm(one.position(i) - other.position(i)));
+  return most;
+}
+
+using Block = std::tuple<std::string, std::string, std::uint32_t, std::uint32_t>;
+/// Lists what lies side by side, in an order of its own.
+std::vector<Block> blocks_of(World& world) {
+  std::vector<Block> out;
+  for (const BlockInfo& each : world.info().blocks)
+    out.emplace_back(each.shape, each.layout, each.islands, each.colors);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// Ropes that came one by one lie as in a world that began with them, and nothing jumps.
+TEST(Packing, LaysIslandsAsAStartDoes) {
+  constexpr std::uint32_t count = 20;
+  Scene whole = rope(0);
+  for (std::uint32_t i = 1; i < count; ++i) {
+    const Scene more = rope(0.5 * i);
+    const auto first = static_cast<std::uint32_t>(whole.particles.size());
+    whole.particles.insert(whole.particles.end(), more.particles.begin(), more.particles.end());
+    for (Rod rod : more.rods) {
+      rod.a += first;
+      rod.b += first;
+      whole.rods.push_back(rod);
+    }
+  }
+  for_methods([&](const Settings& settings) {
+    World world(rope(0), settings), other(rope(0), settings), begun(whole, settings);
+    for (World* const each : {&world, &other})
+      for (std::uint32_t i = 1; i < count; ++i) {
+        each->add(rope(0.5 * i));
+        if (i % 5 == 0) each->step(frame);
+      }
+    const std::vector<Vec3> before = test::positions_of(world);
+    world.pack();
+    EXPECT_EQ(test::positions_of(world), before);
+    step(world, 1);
+    step(other, 1);
+    EXPECT_EQ(blocks_of(world), blocks_of(begun));
+    EXPECT_EQ(world.info().islands, count);
+    EXPECT_EQ(world.info().relaxed_rods, begun.info().relaxed_rods);
+    // Gradient new and, relaxed, old make displacements of velocities, as they do in other edits.
+    const bool is_rough = settings.gradient == Gradient::new_ ||
+                          (settings.method == Method::relax && settings.gradient == Gradient::old);
+    const double most = settings.precision == Precision::single || is_rough ? 2e-5 : 1e-11;
+    EXPECT_LE(farthest(world, other), most);
+    step(world, 10);
+    step(other, 10);
+    EXPECT_LE(farthest(world, other), 100 * most);
+  });
+}
+
+// All that programs had ordered goes on: forces, grabs, winches, cuts in the same step, capsules and joints.
+TEST(Packing, KeepsWhatWasOrdered) {
+  for (const Method method : {Method::automatic, Method::direct, Method::relax}) {
+    SCOPED_TRACE(to_string(method));
+    Settings settings{.method = method, .gradient = Gradient::mid, .substeps = 8, .tensions = true};
+    if (method == Method::relax) settings.stop.sweeps = 200;
+    World packed(floor_alone(), settings), other(floor_alone(), settings);
+    std::vector<Handle<Grab>> grabs;
+    for (World* const world : {&packed, &other}) {
+      for (std::uint32_t i = 0; i < 6; ++i) world->add(rope(0.5 * i, i % 2 == 0));
+      Scene crate;
+      const std::uint32_t body = add_body(
+          crate, {.mass = 1, .center = {-1, 0.1, 0}, .inertia = {.xx = 0.01, .yy = 0.01, .zz = 0.01}});
+      crate.hulls.push_back(box_on_body(body, {.center = {-1, 0.1, 0}, .half_size = {0.1, 0.1, 0.1}}));
+      world->add(crate);
+      step(*world, 5);
+      world->set_force(rods, {0.5, 0, 0});
+      grabs.push_back(world->grab(Grab::particle(2 * rods + 1, {0.6, 1, 0.6}, 20)));
+      if (method != Method::relax) world->set_length(2 * rods, 0.11);  // it damps ropes beside it
+      world->cut(4 * rods + 3);
+    }
+    packed.pack();
+    step(packed, 1);
+    step(other, 1);
+    EXPECT_LE(farthest(packed, other), 1e-9);
+    for (int i = 0; i < 20; ++i)
+      for (World* const world : {&packed, &other}) {
+        if (method != Method::relax) world->set_length(2 * rods, 0.11 + 0.001 * i);
+        world->step(frame);
+      }
+    EXPECT_LE(farthest(packed, other), 1e-6);
+    EXPECT_TRUE(packed.has(grabs[0]));
+    EXPECT_TRUE(packed.is_broken(4 * rods + 3));
+    EXPECT_NEAR(packed.tension(2 * rods), other.tension(2 * rods), 1e-4);
+    EXPECT_EQ(packed.info().islands, other.info().islands);
+  }
+}
+
+TEST(Packing, IsPartOfSnapshotsAndOtherSettings) {
+  for (const unsigned threads : {1u, 2u}) {
+    const Settings settings{.substeps = 4, .threads = threads};
+    World world(floor_alone(), settings);
+    for (std::uint32_t i = 0; i < 9; ++i) world.add(rope(0.5 * i, i % 3 == 0));
+    step(world, 3);
+    world.pack();
+    world.pack();
+    std::vector<std::byte> waiting(world.snapshot_size());
+    world.save(waiting);
+    step(world, 3);
+    std::vector<std::byte> packed(world.snapshot_size());
+    world.save(packed);
+    const std::uint64_t hash = world.state_hash();
+    World fresh(floor_alone(), settings);
+    fresh.restore(waiting);
+    step(fresh, 3);
+    EXPECT_EQ(fresh.state_hash(), hash);
+    fresh.restore(packed);
+    EXPECT_EQ(fresh.state_hash(), hash);
+    step(world, 5);
+    step(fresh, 5);
+    EXPECT_EQ(fresh.state_hash(), world.state_hash());
+    Settings relaxed = settings;
+    relaxed.method = Method::relax;
+    relaxed.stop.sweeps = 50;
+    world.set_settings(relaxed);
+    step(world, 3);
+    world.remove(3);
+    world.pack();
+    step(world, 3);
+    EXPECT_EQ(world.info().islands, 8u);
+  }
+}
+
+TEST(Packing, IsRefusedWhereNothingIsEdited) {
+  World world(rope(0), {.method = Method::springs});
+  expect_refusal("method springs packs no world", [&] { world.pack(); });
+}
+
+}  // namespace
+}  // namespace plumb
