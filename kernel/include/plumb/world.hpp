@@ -14,28 +14,9 @@
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/shapes/contact.hpp"
+#include "plumb/state_view.hpp"
 
 namespace plumb {
-
-class World;
-
-/// Shows positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
-///
-/// Nothing is copied, and what is read is always the present state. A view is valid while the world lives and
-/// is not moved.
-class StateView {
- public:
-  std::size_t size() const;                       ///< Number of particles.
-  Vec3 operator[](std::uint32_t particle) const;  ///< Throws InputError on an unknown particle.
-
- private:
-  friend class World;
-  enum class Field : std::uint8_t { position, velocity };
-  StateView(const World& world, Field field) : world_(&world), field_(field) {}
-
-  const World* world_;
-  Field field_;
-};
 
 /// Holds a scene compiled for stepping.
 ///
@@ -188,8 +169,8 @@ class PLUMB_API World {
   /// one between places that nothing else joins then. What lies on the island wakes.
   ///
   /// Throws InputError on an unknown rod, and where an island cannot be made anew. That is one with reels, or
-  /// with a twist that does not end. So it does on a rod whose mass joins its ends (MassModel::consistent),
-  /// if its island has particles, rods and shapes alone.
+  /// with a twist that does not end. So it does on a rod between particles of a body, and on one whose mass
+  /// joins its ends (MassModel::consistent), if its island has particles, rods and shapes alone.
   void cut(std::uint32_t rod);
   /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
   /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
@@ -242,7 +223,7 @@ class PLUMB_API World {
   void remove(std::uint32_t particle);
   /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
   /// Edits leave islands with solvers of their own, which takes longer. That step takes as long as a start,
-  /// and wakes what may touch; nothing jumps. Throws InputError under springs, multipliers and featherstone.
+  /// and all wake; nothing jumps. Throws InputError under springs, multipliers and featherstone.
   void pack();
   /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
@@ -327,6 +308,11 @@ class PLUMB_API World {
   /// are listed: StepReport counts the rest.
   std::vector<Problem> problems(double most_strain = 0.01) const;
 
+  /// Returns a scene of what there is now, in the order of numbers, of which those that were removed are left
+  /// out. A world that begins with it goes on as this one does, up to what gradients and contacts remember of
+  /// the last step, and awake. Cuts that wait are done, and other edits that wait are not. Forces, grabs and
+  /// rates of lengths are no part of it. Throws InputError under springs, multipliers and featherstone.
+  Scene scene() const;
   std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
   std::uint32_t rod_count() const;       ///< Numbers of rods, with those that were removed.
   double time() const;                   ///< Simulated time, in s.

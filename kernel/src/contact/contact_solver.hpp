@@ -58,6 +58,8 @@ class ContactSolver final : public Solver {
   bool has_rod(std::uint32_t rod) const {
     return rod < owners_.rods.size() && owners_.rods[rod].island < ended;
   }
+  /// Returns whether such a rod joins two particles of a body.
+  bool is_of_body(std::uint32_t rod) const;
   /// Returns why such a rod cannot change its length, or null if it can.
   const char* keeps_length(std::uint32_t rod) const;
   /// See Solver. Rods have their numbers in the scene.
@@ -131,6 +133,11 @@ class ContactSolver final : public Solver {
   void set_law(std::uint32_t number, const Torsion& torsion);
   void set_law(std::uint32_t number, const AngleControl& angle);
   double torsion_angle(std::uint32_t number) const;
+  /// Write how one that is there acts now, all but its places. A torsion seeks its angle from within half a
+  /// turn of now.
+  void read_law(std::uint32_t number, Spring& out) const;
+  void read_law(std::uint32_t number, Torsion& out) const;
+  void read_law(std::uint32_t number, AngleControl& out) const;
 
   /// See World::move_platform().
   void move_platform(std::uint32_t number, const Pose& target) {

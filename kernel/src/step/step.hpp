@@ -105,6 +105,7 @@ class Step {
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
   bool waits(std::uint32_t rod) const;
+  const Breaks& breaks() const { return breaks_; }
 
   // --- Edits, of which those that make islands anew wait for the next step (breaks/orders.cpp)
 
@@ -119,6 +120,7 @@ class Step {
   /// Lets all islands be made anew side by side.
   void pack();
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
+  Vec3 gravity() const { return gravity_; }  ///< m/s^2, of the last step
   /// Puts particles elsewhere at once. Throws InputError if rods do not fit then.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
@@ -157,6 +159,7 @@ class Step {
   std::vector<Problem> problems(double most_strain) const;
   std::span<const Event> events() const { return events_.all(); }
 
+  const Scene& first_scene() const { return origin_->scene; }  ///< with which it began
   /// Returns the scene with what was added since, of which some may have been removed.
   const Scene& scene() const { return breaks_.scene_now(); }
   Standing standing(std::uint32_t particle) const;

@@ -1,5 +1,8 @@
 // This file changes springs, torsions and angles of the contact solver's islands.
 
+#include <cmath>
+#include <numbers>
+
 #include "contact/contact_solver.hpp"
 #include "scene/refuse.hpp"
 
@@ -61,6 +64,42 @@ double ContactSolver::torsion_angle(std::uint32_t number) const {
   if (number >= owners_.torsions.size()) refuse_unknown(number, Torsion{});
   const LinkageState& state = states_[owners_.torsions[number].island];
   return state.elastic_numbers[state.linkage->elastics_of_torsion(owners_.torsions[number].number).first];
+}
+
+void ContactSolver::read_law(std::uint32_t number, Spring& out) const {
+  const auto [island, own] = owners_.springs[number];
+  const auto [first, count] = states_[island].linkage->elastics_of_spring(own);
+  const ElasticLaw& along = states_[island].laws[first];
+  out.length = along.rest;
+  out.force = along.force;
+  out.one_sided = along.one_sided;
+  const ElasticLaw& pulls = states_[island].laws[first + (count > 1 ? 1 : 0)];
+  out.stiffness = pulls.stiffness;
+  out.damping = pulls.damping;
+}
+
+void ContactSolver::read_law(std::uint32_t number, Torsion& out) const {
+  const auto [island, own] = owners_.torsions[number];
+  const ElasticLaw& law = states_[island].laws[states_[island].linkage->elastics_of_torsion(own).first];
+  constexpr double turn = 2 * std::numbers::pi;
+  out.angle = law.rest - turn * std::round(torsion_angle(number) / turn);
+  out.stiffness = law.stiffness;
+  out.damping = law.damping;
+  out.torque = -law.force;
+}
+
+void ContactSolver::read_law(std::uint32_t number, AngleControl& out) const {
+  const auto [island, own] = owners_.angles[number];
+  const LinkageState& state = states_[island];
+  const auto& [lower, upper, friction] = state.angle_rules[own];
+  out.lower = lower;
+  out.upper = upper;
+  out.friction = friction;
+  const auto [first, count] = state.linkage->elastics_of_angle(own);
+  if (count == 0) return;
+  out.target = state.laws[first].rest;
+  out.stiffness = state.laws[first].stiffness;
+  out.damping = state.laws[first].damping;
 }
 
 }  // namespace plumb::detail

@@ -6,6 +6,16 @@
 
 namespace plumb::detail {
 
+bool ContactSolver::is_of_body(std::uint32_t rod) const {
+  const auto [island, number] = owners_.rods[rod];
+  const Scene& part = parts_[kind_number(states_[island])];
+  const Rod& of = part.rods[number];
+  return std::any_of(part.bodies.begin(), part.bodies.end(), [&](const Body& body) {
+    return std::count_if(body.particles.begin(), body.particles.end(),
+                         [&](std::uint32_t each) { return each == of.a || each == of.b; }) == 2;
+  });
+}
+
 const char* ContactSolver::keeps_length(std::uint32_t rod) const {
   const auto [island, number] = owners_.rods[rod];
   if (states_[island].lengths.find(number)) return nullptr;  // it was asked before
@@ -14,11 +24,7 @@ const char* ContactSolver::keeps_length(std::uint32_t rod) const {
   if (!of.law.is_rigid()) return "it gives, where its island has joints or shapes";
   if (of.linear_drag != 0 || of.orthogonal_drag != 0)
     return "air drags it, where its island has joints or shapes";
-  const auto holds_both = [&](const Body& body) {
-    return std::count_if(body.particles.begin(), body.particles.end(),
-                         [&](std::uint32_t each) { return each == of.a || each == of.b; }) == 2;
-  };
-  if (std::any_of(part.bodies.begin(), part.bodies.end(), holds_both)) return "a body holds both its ends";
+  if (is_of_body(rod)) return "a body holds both its ends";
   const auto lies_along = [&](const Bend& bend) {
     const auto joins = [&](std::uint32_t one, std::uint32_t other) {
       return (of.a == one && of.b == other) || (of.a == other && of.b == one);

@@ -7,9 +7,6 @@
 #include "plumb/joints.hpp"
 
 namespace plumb::detail {
-namespace {
-
-using Quaternion = std::array<double, 4>;
 
 Quaternion product(const Quaternion& a, const Quaternion& b) {
   const Vec3 u{a[1], a[2], a[3]}, v{b[1], b[2], b[3]};
@@ -20,6 +17,8 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
 Quaternion conjugate(const Quaternion& q) {
   return {q[0], -q[1], -q[2], -q[3]};
 }
+
+namespace {
 
 /// Returns arcsin(s)/s for 0 <= s <= 0.02, to rounding: the next term of the series is below 1e-16.
 double over_small_sine(double s) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,10 @@
 
 namespace plumb::detail {
 
+using Quaternion = std::array<double, 4>;  ///< w, x, y, z
+/// Returns the rotation by `b` and then by `a`.
+Quaternion product(const Quaternion& a, const Quaternion& b);
+Quaternion conjugate(const Quaternion& q);
 /// Returns the rotation by |turn| (rad) about `turn`, as a unit quaternion w, x, y, z.
 std::array<double, 4> rotation(Vec3 turn);
 /// Returns the shortest turn (rad, about a vector) that leads from one unit quaternion to another.

@@ -186,14 +186,13 @@ Vec3 ClusterStepper::common_velocity() {
   return is_pushed ? Vec3{} : (1 / mass) * momentum;
 }
 
-/// Takes energy (J) from all motion, which has `moving`, but for what is common to all if that is enough:
-/// what flies keeps its momentum.
+/// Takes energy (J) from all motion, which has `moving`, but for what is common to all: what flies keeps its
+/// momentum, even where pushing it apart has stretched more than that.
 void ClusterStepper::slow_all(double excess, double moving) {
   double mass = 0;
   for (std::uint32_t i = 0; i < count_; ++i) mass += islands_[i].state->linkage->mass();
-  Vec3 common = common_velocity();
-  double rest = moving - 0.5 * mass * dot(common, common);
-  if (!(excess <= rest + unnoticed * moving)) common = {}, rest = moving;
+  const Vec3 common = common_velocity();
+  const double rest = moving - 0.5 * mass * dot(common, common);
   for (std::uint32_t i = 0; i < count_; ++i)
     std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), common);
   scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / rest)));

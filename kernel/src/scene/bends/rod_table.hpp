@@ -37,6 +37,16 @@ class RodTable {
   std::vector<std::pair<std::uint64_t, std::size_t>> rods_;
 };
 
+/// Returns whether particles that follow each other in a chain, and are not both fixed, lack a rod.
+template <class Particles>
+bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain) {
+  for (std::size_t k = 1; k < chain.size(); ++k)
+    if (!(scene.particles[chain[k - 1]].fixed && scene.particles[chain[k]].fixed) &&
+        !rods.find(chain[k - 1], chain[k]))
+      return true;
+  return false;
+}
+
 /// Sets to 1, by rod, what joins particles that follow each other in a chain.
 void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, std::vector<std::uint8_t>& out);
 

@@ -15,16 +15,6 @@ namespace {
 
 constexpr double never = RodLaw{}.strength;
 
-/// Returns whether particles that follow each other in a chain, and are not both fixed, lack a rod.
-template <class Particles>
-bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain) {
-  for (std::size_t k = 1; k < chain.size(); ++k)
-    if (!(scene.particles[chain[k - 1]].fixed && scene.particles[chain[k]].fixed) &&
-        !rods.find(chain[k - 1], chain[k]))
-      return true;
-  return false;
-}
-
 }  // namespace
 
 Breaks::Breaks(const Scene& scene, const Settings& settings)

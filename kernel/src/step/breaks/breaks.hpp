@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -110,6 +111,14 @@ class Breaks {
   double own_mass(std::uint32_t particle) const {
     const auto mass = masses_.find(particle);
     return mass == masses_.end() ? scene_now().particles[particle].mass : mass->second.first;
+  }
+  /// Returns that with what it took of rods that are out.
+  double whole_mass(std::uint32_t particle) const {
+    const auto mass = masses_.find(particle);
+    return own_mass(particle) + (mass == masses_.end() ? 0 : mass->second.second);
+  }
+  bool has_ended(std::uint32_t bend) const {
+    return std::find(ended_.begin(), ended_.end(), bend) != ended_.end();
   }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;

@@ -62,6 +62,8 @@ void Step::cut(std::uint32_t rod) {
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
   if (joins_by_mass(rod))
     refuse("rod ", rod, ": has mass along it that joins its ends, in an island with shapes");
+  if (is_in_contact(rod) && compiled_.contact->is_of_body(rod))
+    refuse("rod ", rod, ": is of a body, which stays whole");
   if (rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0) {
     Edits then = edits_;
     then.cut.push_back(rod);

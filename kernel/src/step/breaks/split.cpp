@@ -285,6 +285,13 @@ void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const dou
       if (!fallen.scene.particles[k].fixed)
         for (const Place& place : compiled_.places.of(fallen.particles[k])) f(k, solver(place), place.slot);
   };
+  const auto is_new = [&](const Place& place) {
+    return std::find(now.seats.begin(), now.seats.end(), place.solver) != now.seats.end();
+  };
+  // Velocities have the rates of the last step, and a cord that stops now would not seem to.
+  for (const std::uint32_t cord : lengths_.moving())
+    if (const auto places = compiled_.cords.of(cord); std::any_of(places.begin(), places.end(), is_new))
+      tell_length(cord, lengths_.length(cord), lengths_.rate(cord));
   for_movable([&](std::size_t k, Solver& to, Slot slot) {
     to.set_motion(slot, fallen.scene.particles[k].position, fallen.scene.particles[k].velocity);
   });
@@ -295,8 +302,7 @@ void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const dou
   // They know how fast anchors went, or a steady one would seem to jump.
   anchors_.for_moved([&](std::uint32_t particle, const AnchorMove& path) {
     for (const Place& place : compiled_.places.of(particle))
-      if (std::find(now.seats.begin(), now.seats.end(), place.solver) != now.seats.end())
-        solver(place).move_anchor(place.slot, path);
+      if (is_new(place)) solver(place).move_anchor(place.slot, path);
   });
   for (const std::uint32_t number : now.seats) {
     compiled_.solvers[number]->end_anchors();
