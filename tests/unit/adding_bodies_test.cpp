@@ -316,6 +316,40 @@ TEST(AddingBodies, AreMovedByOtherSettings) {
   });
 }
 
+// What is added asleep stands still until something touches it, whatever sizes there are.
+TEST(AddingBodies, SleepOnIfTheyDoSo) {
+  World world(floor_alone(), {.events = true});
+  Scene pile;
+  for (int i = 0; i < 3; ++i) add_crate(pile, {0, (2 * i + 1) * half, 0});
+  for (Particle& each : pile.particles) each.asleep = true;
+  world.add(pile);
+  for (int i = 0; i < 40; ++i) {
+    Scene bead;
+    bead.particles.push_back({.position = {2 + 0.03 * i, 0.01, 0}, .mass = 0.01, .asleep = true});
+    bead.capsules.push_back({.a = point_at(0), .b = point_at(0), .radius = 0.01});
+    world.add(bead);
+  }
+  const Vec3 top = world.pose(2).position;
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(world.step(frame).awake_islands, 0u);
+    EXPECT_TRUE(world.events().empty());
+  }
+  EXPECT_EQ(world.pose(2).position, top);
+  const Added ball = world.add(crate({0.05, 0.9, 0}));
+  step(world, 30);
+  EXPECT_NE(world.pose(2).position, top) << "it was hit";
+  std::vector<std::byte> kept(world.snapshot_size());
+  world.save(kept);
+  World fresh(floor_alone(), {.events = true});
+  fresh.restore(kept);
+  step(world, 30);
+  step(fresh, 30);
+  EXPECT_EQ(fresh.state_hash(), world.state_hash());
+  world.remove(ball.particle);
+  step(world, 200);
+  EXPECT_EQ(world.step(frame).awake_islands, 0u) << "all sleep again";
+}
+
 // Two bodies on one anchor: what holds it is what hangs from it, while they come and go.
 TEST(AddingBodies, PullAtAnchorsAsLongAsTheyHang) {
   Scene scene;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "plumb/embedding/state_view.hpp"
 #include "plumb/plumb.hpp"
-#include "plumb/state_view.hpp"
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 

@@ -16,6 +16,7 @@
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/contacts.hpp"
+#include "scenes/files/scene_file.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/runs/report.hpp"
 #include "scenes/runs/saved_run.hpp"
@@ -36,6 +37,7 @@ struct RunOptions {
   std::string vtk;        ///< Folder for VTK files.
   std::string gltf;       ///< File for the glTF animation.
   std::string save;       ///< File for snapshots.
+  std::string end_scene;  ///< File for the scene at the end.
   double save_every = 0;  ///< Simulated time between them in s; 0 stands for ten seconds of computing.
   std::string replay;     ///< File that the page of plumb view saved.
   bool quiet = false;
@@ -128,10 +130,12 @@ int run(const RunOptions& options) {
                            {"--contacts", options.contacts},
                            {"--report", options.report},
                            {"--gltf", options.gltf},
-                           {"--save", options.save}});
+                           {"--save", options.save},
+                           {"--end-scene", options.end_scene}});
   SavedFrames saved(options, scene);
-  std::optional<scenes::OutputFile> report;
+  std::optional<scenes::OutputFile> report, end_scene;
   if (!options.report.empty()) report.emplace(options.report);
+  if (!options.end_scene.empty()) end_scene.emplace(options.end_scene);
 
   scenes::RunObserver observer;
   observer.save_at = options.save_at;
@@ -141,8 +145,11 @@ int run(const RunOptions& options) {
     checkpoint.emplace(options.save, scenes::run_text(options.scene, options.plan),
                        options.save_every > 0 ? std::optional(options.save_every) : std::nullopt);
     observer.goes_on = [&](const World& world) { return checkpoint->see(world); };
-    observer.ended = [&](const World& world) { checkpoint->write(world); };
   }
+  observer.ended = [&](const World& world) {
+    if (checkpoint) checkpoint->write(world);
+    if (end_scene) end_scene->write(scenes::format_scene(world.scene()));
+  };
   scenes::RunResult result;
   {
     Progress progress("running", options.quiet);
@@ -154,6 +161,7 @@ int run(const RunOptions& options) {
     report->write(scenes::format_json(scenes::report_json(options.scene, options.plan, result, machine)));
   saved.commit();
   if (report) report->commit();
+  if (end_scene) end_scene->commit();
   if (!options.quiet) print_run_summary(options.scene, options.plan, result, machine);
   require_sound(result);
   if (!result.is_whole)
@@ -206,6 +214,8 @@ void add_files(Command& command, RunOptions& o) {
   add_counted(
       command, "--contacts", "OUT.csv", {o, o.contacts, &Settings::contacts},
       "Write t,a,b,phase,x,y,z,nx,ny,nz,ix,iy,iz,speed to this file: which shapes touched in the frame");
+  command.add_option("--end-scene", "OUT.json", o.end_scene,
+                     "Write the scene as it is at the end, such as a pile that has settled");
   command.add_option("--vtk", "DIR", o.vtk,
                      "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
   command.add_option(

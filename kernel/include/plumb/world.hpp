@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "plumb/embedding/state_view.hpp"
 #include "plumb/export.hpp"
 #include "plumb/loads.hpp"
 #include "plumb/measures.hpp"
@@ -14,7 +15,6 @@
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/shapes/contact.hpp"
-#include "plumb/state_view.hpp"
 
 namespace plumb {
 
@@ -210,8 +210,8 @@ class PLUMB_API World {
   /// Adds islands at once, as a world of that scene begins, with all but twists and reels. Numbers are the
   /// lowest of removed ones that are free in a row, or new, and depend on nothing but what was added and
   /// removed before. Gravity and ground are those of the world. Throws InputError if validate() refuses the
-  /// scene, on ground, sleepers and other drag than the world's, and where the settings cannot move it. So it
-  /// does on shapes, bodies, joints, springs and air on rods in a world that began without any and without
+  /// scene, on ground and other drag than the world's, and where the settings cannot move it. So it does on
+  /// shapes, bodies, joints, springs, air on rods and sleepers in a world that began without any and without
   /// ground.
   Added add(const Scene& scene);
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles

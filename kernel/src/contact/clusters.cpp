@@ -17,14 +17,7 @@ Vec3 extent(const Bounds& bounds) {
 void Clusters::start(std::span<LinkageState> islands, double margin) {
   margin_ = margin;
   islands_ = islands;
-  // A box that is much larger than a cell is compared with all others, so a cell is as large as the mean
-  // island.
-  double sum = 0;
-  for (const LinkageState& state : islands_) {
-    const Vec3 spread = state.linkage->has_shapes() ? extent(reach(state, 0, 0, margin_)) : Vec3{};
-    sum += std::max({4 * state.linkage->size(), spread.x, spread.y, spread.z});
-  }
-  cell_ = islands_.empty() ? 1 : sum / static_cast<double>(islands_.size());
+  find_cell();
   marks_.assign(islands_.size(), 0);
   root_.resize(islands_.size());
   bounds_.assign(islands_.size(), nowhere);
@@ -37,6 +30,21 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
   list_sleepers();
 }
 
+/// A box that is much larger than a cell is compared with all others, so a cell is as large as the mean
+/// island.
+void Clusters::find_cell() {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const LinkageState& state : islands_) {
+    if (state.linkage == nullptr) continue;
+    const Vec3 spread = state.linkage->has_shapes() ? extent(reach(state, 0, 0, margin_)) : Vec3{};
+    sum += std::max({4 * state.linkage->size(), spread.x, spread.y, spread.z});
+    ++count;
+  }
+  cell_ = count == 0 ? 1 : sum / static_cast<double>(count);
+  begun_ = 0;
+}
+
 void Clusters::grow(std::span<LinkageState> islands) {
   islands_ = islands;
   marks_.resize(islands_.size(), 0);
@@ -45,8 +53,18 @@ void Clusters::grow(std::span<LinkageState> islands) {
 }
 
 void Clusters::begin(std::uint32_t island) {
-  awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), island), island);
-  any_shapes_ = any_shapes_ || islands_[island].linkage->has_shapes();
+  const LinkageState& state = islands_[island];
+  any_shapes_ = any_shapes_ || state.linkage->has_shapes();
+  if (!state.asleep) {
+    awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), island), island);
+  } else if (state.linkage->has_shapes()) {
+    bounds_[island] = reach(state, 0, 0, margin_);
+    sleepers_.insert(island, bounds_[island]);
+  }
+  // Cells follow what there is, whatever the world began with.
+  if (2 * ++begun_ < islands_.size()) return;
+  find_cell();
+  list_sleepers();
 }
 
 void Clusters::end(std::uint32_t island) {

@@ -56,8 +56,8 @@ class Clusters {
   /// Lists who is awake and where sleepers are, once the states are listed.
   template <class Archive>
   void archive(Archive& archive) {
-    auto& [islands, awake, sleepers, walkers, any_shapes, cell, margin, bounds, marks, root, members, woken,
-           mark, order, members_of, starts] = *this;
+    auto& [islands, awake, sleepers, walkers, any_shapes, cell, begun, margin, bounds, marks, root, members,
+           woken, mark, order, members_of, starts] = *this;
     archive(awake, bounds);
     if (archive.restores()) list_sleepers();
   }
@@ -69,6 +69,7 @@ class Clusters {
   std::uint32_t settle(std::span<const std::uint8_t> rests);
 
  private:
+  void find_cell();
   void list_sleepers();
   void wake_neighbors(std::uint32_t island);
   bool may_meet(std::uint32_t a, std::uint32_t b) const;
@@ -83,6 +84,7 @@ class Clusters {
   SpatialHash sleepers_, walkers_;
   bool any_shapes_ = false;
   double cell_ = 1;             ///< size of a cell, m
+  std::size_t begun_ = 0;       ///< islands that began since it was found
   double margin_ = 0;           ///< distance within which shapes may touch, m
   std::vector<Bounds> bounds_;  ///< by island: for a sleeper as it is listed, for others the step's reach
   std::vector<std::uint32_t> marks_, root_, members_, woken_;

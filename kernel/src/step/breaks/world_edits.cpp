@@ -28,8 +28,6 @@ void require_addable(const Scene& scene) {
   require_none("ground hull", scene.ground_hulls);
   require_none("mesh", scene.meshes);
   require_none("height field", scene.height_fields);
-  for (std::size_t i = 0; i < scene.particles.size(); ++i)
-    if (scene.particles[i].asleep) refuse("particle ", i, ": sleeps, and what is added to a world is awake");
   for (std::size_t i = 0; i < scene.capsules.size(); ++i)
     if (detail::is_anchored(scene, scene.capsules[i]))
       refuse("capsule ", i, ": nothing movable has it, and ground cannot be added to a world");

@@ -101,7 +101,7 @@ class Compiler {
     const std::optional<std::uint32_t> first = find_jointed(SceneParts(scene_));
     if (first && !whole.contact)
       refuse("particle ", *first,
-             ": its island has shapes, bodies, joints or air, which cannot be added to a ",
+             ": its island has shapes, bodies, joints, air or sleepers, which cannot be added to a ",
              "world that began without them and without ground");
     out_.needs_contact = first.has_value();
     // A hull whose surface rounding leaves open is refused now, while nothing has changed.
