@@ -153,5 +153,56 @@ TEST(RelaxedTensions, OfALongRopeAndOfOneThatSleeps) {
   EXPECT_NEAR(world.tension(0), 3 * 9.81, 1e-9);
 }
 
+/// Three rods that hang straight, of 1 kg each.
+Scene plumb_line(RodLaw law) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= 3; ++i) {
+    const Vec3 at{0, -0.1 * i, 0};
+    scene.particles.push_back(i == 0 ? test::fixed(at) : test::movable(at, 1));
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = 0.1, .law = law});
+  }
+  return scene;
+}
+
+// What a winch or an anchor pulls with while it changes its speed is what momentum gains, although gradient
+// mid is guarded then: such a velocity has a move once, and others twice. Then nothing is guarded any more.
+TEST(RelaxedTensions, OfWhatIsHauledAreWhatMomentumGains) {
+  for (const RodLaw& law : laws)
+    for (const bool by_anchor : {false, true})
+      for (const std::uint32_t substeps : {1u, 3u}) {
+        Settings settings = relaxed(Gradient::mid);
+        settings.substeps = substeps;
+        World world(plumb_line(law), settings);
+        const auto momentum = [&] { return world.velocity(1).y + world.velocity(2).y + world.velocity(3).y; };
+        std::uint64_t guarded = 0;
+        double before = momentum(), hauled = 0;
+        for (int i = 0; i < 30; ++i) {
+          hauled += 1e-4 * std::min(i, 10);
+          if (by_anchor)
+            world.move_anchor(0, {0, hauled, 0});
+          else
+            world.set_length(0, 0.1 - hauled);
+          guarded += world.step(frame).mid_guarded;
+          const double after = momentum();
+          ASSERT_NEAR(world.tension(0), 3 * 9.81 + (after - before) / frame, 1e-7)
+              << law.stiffness << by_anchor << substeps << " at " << i;
+          before = after;
+        }
+        EXPECT_EQ(guarded, (by_anchor ? 30 : 10) * substeps);
+      }
+}
+
+// Double pulls would break such a rod.
+TEST(RelaxedTensions, BreakNoRodAtHalfItsStrength) {
+  for (const double strength : {1.5 * 3 * 9.81, 1.3 * 3 * 9.81}) {
+    World world(plumb_line({.strength = strength}), relaxed(Gradient::mid));
+    for (int i = 1; i <= 20; ++i) {
+      world.move_anchor(0, {0, 1e-3 * i * i / 2, 0});  // by 3.6 m/s²
+      world.step(frame);
+    }
+    EXPECT_EQ(world.is_broken(0), strength < 3 * (9.81 + 3.6));
+  }
+}
+
 }  // namespace
 }  // namespace plumb

@@ -162,16 +162,19 @@ class Substep {
       crew_.for_parts([&](unsigned part) {
         for_rods(part, [&](simd::Range range) { access_.laws.finish(view_, range); });
       });
-    if (pull_ != 0)
-      crew_.for_parts([&](unsigned part) {
-        for_rods(part, [&](simd::Range range) { block_.count_moves(range, pull_); });
-      });
     if (broken.load(std::memory_order_relaxed))
       report_.frozen_islands += block_.freeze_broken_islands(u_, p_, q0_, q1_);
 
     const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
                          (block_.is_settling() || violation() > mid_guard_violation);
-    if (guarded) ++report_.mid_guarded;
+    if (guarded) {
+      ++report_.mid_guarded;
+      pull_ *= 0.5;  // Such a velocity has a move once, where 2p - u has it twice.
+    }
+    if (pull_ != 0)
+      crew_.for_parts([&](unsigned part) {
+        for_rods(part, [&](simd::Range range) { block_.count_moves(range, pull_); });
+      });
     settings_.grabs.see(block_, p_, q0_, q1_);
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
@@ -330,7 +333,7 @@ class Substep {
   T* u_;  ///< It is the displacement of the last substep, in m.
   T* p_;  ///< It is the displacement of this one, in m.
   simd::LawView<T> view_;
-  double pull_;  ///< It is in 1/s, or 0 if pulls do not count.
+  double pull_;  ///< It makes impulses of moves, in 1/s; it is 0 if pulls do not count.
   std::uint32_t q0_, q1_;
 };
 

@@ -7,6 +7,7 @@
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_kind.hpp"
 #include "interface/archive.hpp"
+#include "interface/changes.hpp"
 #include "interface/solver.hpp"
 
 namespace plumb::detail {
@@ -97,7 +98,9 @@ class TreeSolver final : public Solver {
   double last_substep(Slot slot) const override { return state_.u_step[place_of(slot).lane]; }
   void go_on(Slot slot, double h) override {
     const Entry at = place_of(slot);
-    if (kind_->rules.gradient == Gradient::new_ && h > 0) state_.displace(at.node, at.lane, h);
+    if (kind_->rules.gradient != Gradient::new_ || !(h > 0)) return;
+    state_.displace(at.node, at.lane, h);
+    velocities_known_ = false;  // A restored world finds them by displacements.
   }
   void fit(bool is_off) override;
   void set_away(Slot slot, bool away) override;
@@ -159,7 +162,10 @@ class TreeSolver final : public Solver {
   void find_velocities() const;
   void find_velocities(TreeWorkspace<T>& work) const;
   void keep_velocities(std::uint32_t lane);
-  void see_change(double last_rate, double rate, double last_length, double length);
+  void see_change(const CordLength& before, const CordLength& after) {
+    const bool jumps = detail::see_change(before, after, velocities_known_, [this] { find_velocities(); });
+    lengths_changed_ = lengths_changed_ || jumps;
+  }
 
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;
