@@ -237,6 +237,101 @@ TEST(ChangedLengths, DoTheWorkOfAStartBesideJoints) {
   EXPECT_NEAR(work, energy() - before, 1e-3 * work);
 }
 
+/// Three rods that hang straight, with a joint at their middle that may be limited.
+Scene jointed_line(double mass) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= 3; ++i)
+    scene.particles.push_back({.position = {0, -0.5 * i, 0}, .mass = mass, .fixed = i == 0});
+  for (std::uint32_t i = 0; i < 3; ++i) scene.rods.push_back({.a = i, .b = i + 1});
+  scene.angles.push_back({.u = {point_at(1), point_at(2)}, .v = {point_at(2), point_at(3)}});
+  return scene;
+}
+
+// Relaxed beside joints, a load has the speed of its winch or its anchor as soon as that changes, whatever
+// the gradient. It pulls as Newton says, and a winch does the work that energy gains.
+TEST(ChangedLengths, ALoadFollowsARelaxedWinchBesideJoints) {
+  constexpr double mass = 2, g = 9.81;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_})
+    for (const bool by_anchor : {false, true})
+      for (const std::uint32_t substeps : {1u, 2u, 3u}) {
+        Settings settings{
+            .method = Method::relax, .gradient = gradient, .substeps = substeps, .tensions = true};
+        settings.stop.sweeps = 300;
+        World world(jointed_line(mass), settings);
+        double hauled = 0, rate = 0, work = 0;
+        for (int i = 1; i <= 40; ++i) {
+          // It jumps, grows, stands for a while, and falls to nothing.
+          const double next = i < 5 ? 0.4 : i < 15 ? 0.04 * i : i < 25 ? 0.6 : std::max(0.06 * (35 - i), 0.0);
+          hauled += next * frame;
+          if (by_anchor)
+            world.move_anchor(0, {0, hauled, 0});
+          else
+            world.set_length(0, 0.5 - hauled);
+          world.step(frame);
+          SCOPED_TRACE(std::string(to_string(gradient)) + " at " + std::to_string(i));
+          ASSERT_NEAR(world.tension(0), 3 * mass * (g + (next - rate) / frame), 1e-6);
+          if (by_anchor) {
+            ASSERT_NEAR(world.reaction(0).y, world.tension(0), 1e-6);
+          }
+          ASSERT_NEAR(world.velocity(3).y, next, 1e-8);
+          work += frame * (by_anchor ? 0 : world.power(0));
+          if (!by_anchor) {
+            ASSERT_NEAR(work, 3 * mass * (g * hauled + next * next / 2), 1e-6);
+          }
+          rate = next;
+        }
+      }
+}
+
+// What swings while its rate jumps every fifth step converges to the same motion as where it is solved.
+TEST(ChangedLengths, RelaxedJumpsBesideJointsConverge) {
+  const auto run = [](Method method, Gradient gradient, std::uint32_t substeps) {
+    Scene scene = jointed_line(1);
+    for (Particle& each : scene.particles) each.position = {-each.position.y, 0, 0};
+    if (method == Method::direct) scene.angles.clear();
+    Settings settings{.method = method, .gradient = gradient, .substeps = substeps};
+    settings.stop.sweeps = method == Method::relax ? 1000 : settings.stop.sweeps;
+    World world(scene, settings);
+    double length = 0.5;
+    for (int i = 0; i < 40; ++i) {
+      length += i / 5 % 2 == 0 ? -0.005 : 0.003;
+      world.set_length(0, length);
+      world.step(frame);
+    }
+    return world.position(3);
+  };
+  const Vec3 truth = run(Method::direct, Gradient::old, 512);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    const double coarse = norm(run(Method::relax, gradient, 16) - truth),
+                 fine = norm(run(Method::relax, gradient, 32) - truth);
+    EXPECT_LE(fine, 1e-3) << to_string(gradient);
+    EXPECT_NEAR(std::log2(coarse / fine), 2, 0.3) << to_string(gradient);
+  }
+}
+
+// A box on a ball joint, hauled up by a rod at its top, neither swings nor tears off its joint.
+TEST(ChangedLengths, HaulABodyOnARelaxedBallJoint) {
+  for (const Precision precision : {Precision::double_, Precision::single}) {
+    Scene scene;
+    scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {0, -1, 0}, .mass = 0.1}};
+    scene.rods = {{.a = 0, .b = 1}};
+    const std::uint32_t body =
+        add_body(scene, {.mass = 2, .center = {0, -1.2, 0}, .inertia = {.xx = 0.1, .yy = 0.1, .zz = 0.1}});
+    scene.pins.push_back({.a = point_at(1), .b = point_on_body(scene, body, {0, -1, 0})});
+    Settings settings{.method = Method::relax, .precision = precision, .gradient = Gradient::mid};
+    settings.substeps = 4;
+    settings.stop.sweeps = 200;
+    World world(scene, settings);
+    for (int i = 1; i <= 60; ++i) {
+      world.set_length(0, 1 - 0.3 * frame * (i < 30 ? i : 30));
+      world.step(frame);
+      const double next = i <= 30 ? 0.3 : 0, off = precision == Precision::single ? 0.02 : 1e-3;
+      for (std::uint32_t k = 1; k < world.particle_count(); ++k)
+        ASSERT_NEAR(world.velocity(k).y, next, off) << i << " " << k;
+    }
+  }
+}
+
 // Loops whose lengths changed go on in a world that knows of none yet, and reading velocities on the way
 // changes no bits.
 TEST(ChangedLengths, GoOnInLoops) {

@@ -57,7 +57,7 @@ void CrowdJoints<T>::gather(std::span<LinkageState* const> cluster, const Crowd<
       balls_.push_back({terms, i, number++, 1 / moves});
     });
     linkage.for_alignments([&](const Combination& u, const Combination& v, double value) {
-      dots_.push_back({add_sums(i, linkage, crowd, std::array{u, v}), value});
+      dots_.push_back({add_sums(i, linkage, crowd, std::array{u, v}), i, value});
     });
     for (std::uint32_t k = 0; k < state.angle_rules.size(); ++k) {
       const Linkage::Angle& angle = linkage.angles()[k];
@@ -218,6 +218,49 @@ void CrowdJoints<T>::sweep_rows(Crowd<T>& crowd) {
     row.push = push;
     for (const SumsTerm& term : terms) crowd.push(term.at, by * term.inverse_mass * along_of(term));
   }
+}
+
+template <class T>
+double CrowdJoints<T>::sweep_velocities(std::span<LinkageState* const> cluster,
+                                        std::span<const std::uint8_t> of, Crowd<T>& crowd) const {
+  double most = 0;
+  for (const BallJoint& joint : balls_) {
+    if (of[joint.island] == 0) continue;
+    const std::span<const Term> terms = terms_of(joint.terms);
+    const Vec3 apart = crowd.velocity(terms), by = -joint.over * apart;
+    crowd.push_velocity(terms, by);
+    most = std::max(most, norm(apart));
+    LinkagePulls& pulls = cluster[joint.island]->pulls;
+    if (!pulls.counts) continue;
+    pulls.pins[joint.number] += by;
+    crowd.push_fixed(terms, joint.island, by, pulls);
+  }
+  for (const Dot& each : dots_)
+    if (of[each.island] != 0) most = std::max(most, sweep_velocities(each, crowd));
+  return most;
+}
+
+template <class T>
+double CrowdJoints<T>::sweep_velocities(const Dot& of, Crowd<T>& crowd) const {
+  Vec3 u{}, v{}, u_rate{}, v_rate{};
+  for (const SumsTerm& term : sums_of(of.terms)) {
+    const Vec3 x = crowd.position(term.at), rate = crowd.velocity(term.at);
+    u += term.weight[0] * x;
+    v += term.weight[1] * x;
+    u_rate += term.weight[0] * rate;
+    v_rate += term.weight[1] * rate;
+  }
+  double moves = 0, most = 0;
+  const auto along = [&](const SumsTerm& term) { return term.weight[0] * v + term.weight[1] * u; };
+  for (const SumsTerm& term : sums_of(of.terms)) moves += term.inverse_mass * dot(along(term), along(term));
+  if (!(moves > 0)) return 0;
+  const double push = -(dot(u_rate, v) + dot(u, v_rate)) / moves;
+  for (const SumsTerm& term : sums_of(of.terms)) {
+    const Vec3 by = push * term.inverse_mass * along(term);
+    crowd.push_velocity(term.at, by);
+    most = std::max(most, norm(by));
+  }
+  return most;
 }
 
 template <class T>

@@ -25,6 +25,10 @@ class CrowdJoints {
   /// of an angle beyond its limit that is taken back.
   void begin(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h, double recovery_rate);
   void sweep(Crowd<T>& crowd);
+  /// Takes from velocities once what ball joints and alignments of some islands forbid, and counts its
+  /// impulses. Returns the largest change, m/s.
+  double sweep_velocities(std::span<LinkageState* const> cluster, std::span<const std::uint8_t> of,
+                          Crowd<T>& crowd) const;
   /// Ends a substep of h (s): adds up impulses where pulls count, and breaks rods that pulled too much.
   /// Returns how many.
   std::uint32_t end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
@@ -51,6 +55,7 @@ class CrowdJoints {
   };
   struct Dot {
     TermRange terms;
+    std::uint32_t island;
     double value;   ///< m²
     Vec3 u{}, v{};  ///< m, as the substep begins
   };
@@ -87,6 +92,7 @@ class CrowdJoints {
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(terms_).subspan(range.first, range.end - range.first);
   }
+  double sweep_velocities(const Dot& of, Crowd<T>& crowd) const;
   std::span<const SumsTerm> sums_of(TermRange range) const {
     return std::span(sums_terms_).subspan(range.first, range.end - range.first);
   }

@@ -116,7 +116,6 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
                                 const Span& span, bool may_halve, Tally& report) {
   const double h = span.h;
   follow_lengths(cluster, span.start + h);
-  const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
   contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
   const bool is_guarded = !surroundings.any_moves() && !is_driven(cluster);
@@ -128,9 +127,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     crowd_.predict(h, Gradient::new_);
     if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
   }
-  const bool is_new = !contacts_.is_empty() || joints_.has_elastics();
-  Gradient gradient = is_new ? Gradient::new_ : asked;
-  if (gradient != Gradient::new_) crowd_.predict(h, gradient);
+  Gradient gradient = predict(cluster, h);
   begin_rows(cluster, h);
   is_swept_on_ = false;
   solve(gradient, report);
@@ -158,11 +155,24 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-    if (!crowd_.is_moving(i) || !crowd_.stop_if_broken(*cluster[i], i)) continue;
+    if (!crowd_.is_moving(i)) continue;
+    cluster[i]->keep_given();
+    if (!crowd_.stop_if_broken(*cluster[i], i)) continue;
     cluster[i]->freeze();
     ++report.frozen_islands;
   }
   return true;
+}
+
+/// Predicts by the gradient of a substep, and returns it. What flies gets the blow of what changes its speed;
+/// what touches has the new speed by its displacements, and elastics catch a blow themselves.
+template <class T>
+Gradient RelaxedStepper<T>::predict(std::span<LinkageState* const> cluster, double h) {
+  if (!contacts_.is_empty() || joints_.has_elastics()) return Gradient::new_;
+  const Gradient gradient = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
+  if (blows_.give(cluster, crowd_, joints_, rules_) || gradient != Gradient::new_)
+    crowd_.predict(h, gradient);
+  return gradient;
 }
 
 /// Returns whether capsules that are fast meet others in the substep, or hold on to them, or hulls are
@@ -200,10 +210,8 @@ void RelaxedStepper<T>::count_pulls(std::span<LinkageState* const> cluster, Grad
   for (LinkageState* const state : cluster)
     if (wind && state->pulls.counts) state->lengths.begin_pulls(state->pulls.rods);
   crowd_.count_pulls(h, gradient, cluster);
-  for (LinkageState* const state : cluster) {
+  for (LinkageState* const state : cluster)
     if (wind && state->pulls.counts) state->lengths.end_pulls(state->pulls.rods);
-    if (wind) state->lengths.end_substep();
-  }
 }
 
 template <class T>

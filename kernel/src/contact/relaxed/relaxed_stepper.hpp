@@ -3,6 +3,7 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
+#include "contact/relaxed/crowd_blows.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -51,6 +52,7 @@ class RelaxedStepper final : public ClusterMover {
   void count_pulls(std::span<LinkageState* const> cluster, Gradient gradient, double h);
   bool substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                bool may_halve, Tally& report);
+  Gradient predict(std::span<LinkageState* const> cluster, double h);
   bool is_crushed();
   bool is_struck() const;
   double most_violated() const;
@@ -75,6 +77,7 @@ class RelaxedStepper final : public ClusterMover {
   GroundNow ground_;  ///< as the substep starts
   CrowdContacts<T> contacts_;
   CrowdJoints<T> joints_;
+  CrowdBlows<T> blows_;
   std::vector<Vec3> rigid_;
   double recovery_rate_ = 0;
   Team* team_ = nullptr;      ///< that may help
