@@ -220,8 +220,8 @@ class PLUMB_API World {
   /// not finite, and under springs, multipliers and featherstone.
   void set_gravity(Vec3 gravity);
   /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
-  /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are
-  /// solved directly is taken out, as at a start. Joints are not looked at.
+  /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are solved directly is
+  /// taken out, as at a start, and what is wound goes on so. Joints are not looked at.
   ///
   /// Throws InputError on lists of other sizes, on particles that are unknown or listed twice, on places that
   /// are not finite, and on islands with a reel. It also does on a rigid rod that would be off its length by

@@ -33,8 +33,9 @@ Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const
 }  // namespace
 
 double project_velocities(const Scene& scene, std::span<const double> inverse_masses,
-                          std::vector<Vec3>& velocities) {
-  if (std::all_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v == Vec3{}; })) return 0;
+                          std::vector<Vec3>& velocities, std::span<const double> wanted) {
+  if (wanted.empty() && std::all_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v == Vec3{}; }))
+    return 0;
   const Eigen::SparseMatrix<double> rates = stretching_rates(scene, inverse_masses);
   const auto n = static_cast<Eigen::Index>(velocities.size());
   Eigen::VectorXd v(3 * n), inverse_mass(3 * n);
@@ -42,7 +43,12 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
     v.segment<3>(3 * i) << velocities[i].x, velocities[i].y, velocities[i].z;
     inverse_mass.segment<3>(3 * i).setConstant(inverse_masses[i]);
   }
-  const Eigen::VectorXd pull = rates * v;
+  const auto lack = [&](const Eigen::VectorXd& of) -> Eigen::VectorXd {
+    if (wanted.empty()) return rates * of;
+    return rates * of -
+           Eigen::Map<const Eigen::VectorXd>(wanted.data(), static_cast<Eigen::Index>(wanted.size()));
+  };
+  const Eigen::VectorXd pull = lack(v);
   if (pull.squaredNorm() == 0) return 0;
 
   // The matrix is scaled to a diagonal of ones, so that light particles do not drown heavy ones. Redundant
@@ -62,10 +68,10 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
     factor.analyze(ridged);
     if (!factor.factorize(ridged)) continue;
     for (int refinement = 0; refinement < 10 && left > enough; ++refinement) {
-      factor.solve(scale.cwiseProduct(rates * changed), scaled_lambda);
+      factor.solve(scale.cwiseProduct(lack(changed)), scaled_lambda);
       const Eigen::VectorXd lambda = scale.cwiseProduct(scaled_lambda);
       const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);
-      const double now = (rates * next).norm();
+      const double now = lack(next).norm();
       if (!(now < left)) break;
       changed = next;
       left = now;

@@ -97,7 +97,9 @@ class TreeSolver final : public Solver {
   double last_substep(Slot slot) const override { return state_.u_step[place_of(slot).lane]; }
   void go_on(Slot slot, double h) override {
     const Entry at = place_of(slot);
-    if (kind_->rules.gradient == Gradient::new_ && h > 0) state_.displace(at.node, at.lane, h);
+    if (kind_->rules.gradient != Gradient::new_ || !(h > 0)) return;
+    state_.displace(at.node, at.lane, h);
+    velocities_known_ = false;  // A restored world finds them by displacements.
   }
   void fit(bool is_off) override;
   void set_away(Slot slot, bool away) override;

@@ -20,19 +20,21 @@ class Stretching {
     scene_.particles.push_back({.position = position, .velocity = velocity, .mass = mass});
     return static_cast<std::uint32_t>(scene_.particles.size() - 1);
   }
-  /// Adds a rod, which has been stretched at `rate` (m/s) so far.
-  void add_rod(std::uint32_t a, std::uint32_t b, double rate) {
+  /// Adds a rod, which has been stretched at `rate` (m/s) so far, and whose length changes at `wanted`.
+  void add_rod(std::uint32_t a, std::uint32_t b, double rate, double wanted) {
     const Particle &from = scene_.particles[a], &to = scene_.particles[b];
     const double now = stretching_rate(to.position - from.position, to.velocity - from.velocity);
-    const double speed = std::max(norm(from.velocity), norm(to.velocity));
-    is_worse_ = is_worse_ || std::abs(now) > fits * speed + std::abs(rate);
+    const double speed = std::max({norm(from.velocity), norm(to.velocity), std::abs(wanted)});
+    is_worse_ = is_worse_ || std::abs(now - wanted) > fits * speed + std::abs(rate - wanted);
     scene_.rods.push_back({.a = a, .b = b});
+    wanted_.push_back(wanted);
   }
   static double stretching_rate(Vec3 way, Vec3 velocity) {
     const double length = norm(way);
     return length > 0 ? dot(way, velocity) / length : 0;
   }
-  /// Returns velocities (m/s) that stretch nothing, or none if rods stretch no faster than before.
+  /// Returns velocities (m/s) that stretch nothing but what is wound, or none if rods are stretched no
+  /// faster than before.
   std::vector<Vec3> projected() const {
     std::vector<Vec3> out;
     if (!is_worse_) return out;
@@ -41,12 +43,13 @@ class Stretching {
       out.push_back(particle.velocity);
       inverse_masses.push_back(1 / particle.mass);
     }
-    project_velocities(scene_, inverse_masses, out);
+    project_velocities(scene_, inverse_masses, out, wanted_);
     return out;
   }
 
  private:
   Scene scene_;
+  std::vector<double> wanted_;  ///< m/s, by rod
   bool is_worse_ = false;
 };
 
@@ -94,8 +97,9 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
   }
 }
 
-/// Takes out of velocities what stretches rigid rods faster than before, as a start does. at(anchor) says
-/// where a fixed particle will be. Sweeps do that by themselves where they move an island.
+/// Takes out of velocities what stretches rigid rods faster than before, as a start does. Rods that are wound
+/// go on at the rate of the last step, which solvers go by. at(anchor) says where a fixed particle will be.
+/// Sweeps do that by themselves where they move an island.
 template <class At>
 void Step::keep_lengths(std::vector<Motion>& motions, At&& at) const {
   constexpr double immovable = 1e12;  // times the mass of what hangs from it: an anchor may move
@@ -127,7 +131,7 @@ void Step::keep_lengths(std::vector<Motion>& motions, At&& at) const {
       if (!seen.emplace(rod, true).second) continue;
       const Vec3 way = position(of.b) - position(of.a);
       stretching.add_rod(number_of(of.a), number_of(of.b),
-                         Stretching::stretching_rate(way, speed(of.b) - speed(of.a)));
+                         Stretching::stretching_rate(way, speed(of.b) - speed(of.a)), lengths_.rate(rod));
     }
   }
   const std::vector<Vec3> velocities = stretching.projected();
