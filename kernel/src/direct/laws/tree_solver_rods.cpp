@@ -4,7 +4,6 @@
 
 #include "direct/laws/pulls_ahead.hpp"
 #include "direct/trees/tree_solver.hpp"
-#include "interface/changes.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -115,22 +114,11 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   make_laws();
   state_.laws.gives = state_.laws.moves = true;
   double& last = number_of(state_.laws.rate, rod, ties_begin_);
-  see_change(last, rate, number_of(state_.laws.length, rod, ties_begin_), length);
+  see_change({number_of(state_.laws.length, rod, ties_begin_), last}, {length, rate});
   number_of(state_.laws.jump, rod, ties_begin_) = rate - last;
   last = rate;
   number_of(state_.laws.length, rod, ties_begin_) = length;
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
-}
-
-/// Velocities of the last step are those of the rates then. A length that is told at its end may differ by
-/// rounding, and nobody is to find other velocities before than after.
-template <class T>
-void TreeSolver<T>::see_change(double last_rate, double rate, double last_length, double length) {
-  if (rate != last_rate)
-    find_velocities();
-  else if (length != last_length)
-    velocities_known_ = false;
-  lengths_changed_ = lengths_changed_ || rate_changes(last_rate, rate);
 }
 
 template <class T>
@@ -167,7 +155,6 @@ void TreeSolver<T>::fit(bool is_off) {
   template void TreeSolver<T>::read_pulls(std::span<const Place>, double, double*) const; \
   template Vec3 TreeSolver<T>::hold(Slot, double) const;                                  \
   template bool TreeSolver<T>::is_broken(Slot) const;                                     \
-  template void TreeSolver<T>::see_change(double, double, double, double);                \
   template void TreeSolver<T>::set_length(Slot, double, double);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -310,32 +310,22 @@ bool LoopSolver::is_broken(Slot rod) const {
   return state_.laws.any() && state_.laws.is_broken(rod) && !is_wound(state_, rod);
 }
 
-/// Velocities of the last step are those of the rates then. A length that is told at its end may differ by
-/// rounding, and nobody is to find other velocities before than after.
-void LoopSolver::see_change(double last_rate, double rate, double last_length, double length) {
-  if (rate != last_rate)
-    find_velocities();
-  else if (length != last_length)
-    velocity_known_ = false;
-  lengths_changed_ = lengths_changed_ || rate_changes(last_rate, rate);
-}
-
 void LoopSolver::set_length(Slot cord, double length, double rate) {
   if (is_reel(cord)) {
     const auto number = static_cast<std::uint32_t>(cord - first_reel());
-    see_change(state_.reels[number].rate, rate, state_.reels[number].out, length);
+    see_change({state_.reels[number].out, state_.reels[number].rate}, {length, rate});
     turn_reel(state_, number, length, rate);
     return;
   }
   if (is_tackle(cord)) {
-    see_change(tackle(cord).rate, rate, tackle(cord).length, length);
+    see_change({tackle(cord).length, tackle(cord).rate}, {length, rate});
     tackle(cord).length = length;
     tackle(cord).jump = rate - tackle(cord).rate;
     tackle(cord).rate = rate;
     return;
   }
   state_.laws.make(state_.length2);
-  see_change(state_.laws.rate[cord], rate, state_.laws.length[cord], length);
+  see_change({state_.laws.length[cord], state_.laws.rate[cord]}, {length, rate});
   state_.laws.moves = true;
   work_.lines.reset();  // they do not know of it, nor do locks
   lock({});

@@ -7,6 +7,7 @@
 
 #include "direct/loops/loop_stepper.hpp"
 #include "interface/archive.hpp"
+#include "interface/changes.hpp"
 #include "interface/solver.hpp"
 
 namespace plumb::detail {
@@ -141,7 +142,10 @@ class LoopSolver final : public Solver {
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
   void keep_velocities();
-  void see_change(double last_rate, double rate, double last_length, double length);
+  void see_change(const CordLength& before, const CordLength& after) {
+    const bool jumps = detail::see_change(before, after, velocity_known_, [this] { find_velocities(); });
+    lengths_changed_ = lengths_changed_ || jumps;
+  }
   void grabs_change();
   void find_velocities() const;
   void take_blow();

@@ -7,6 +7,7 @@
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_kind.hpp"
 #include "interface/archive.hpp"
+#include "interface/changes.hpp"
 #include "interface/solver.hpp"
 
 namespace plumb::detail {
@@ -161,7 +162,10 @@ class TreeSolver final : public Solver {
   void find_velocities() const;
   void find_velocities(TreeWorkspace<T>& work) const;
   void keep_velocities(std::uint32_t lane);
-  void see_change(double last_rate, double rate, double last_length, double length);
+  void see_change(const CordLength& before, const CordLength& after) {
+    const bool jumps = detail::see_change(before, after, velocities_known_, [this] { find_velocities(); });
+    lengths_changed_ = lengths_changed_ || jumps;
+  }
 
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;
