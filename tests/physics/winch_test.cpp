@@ -229,6 +229,37 @@ TEST(Winch, TremblingTakesNoEnergy) {
       }
 }
 
+// Beside joints, a rod that was made a millimetre long is paid out to 100 m and hauled in again. Rounding of
+// its length grows with it, and so must what counts as solved.
+TEST(Winch, PaysOutFarBesideJoints) {
+  constexpr double made = 1e-3, far = 100;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    Scene scene;
+    scene.drag = 0.5;
+    scene.particles = {test::anchor({0, 0, 0}), test::loose({0, -made, 0}, 1),
+                       test::loose({0, -made - 0.5, 0}, 1)};
+    scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}};
+    scene.angles.push_back({.u = {point_at(0), point_at(1)}, .v = {point_at(1), point_at(2)}});
+    Settings settings = test::direct(gradient);
+    settings.tensions = true;
+    World world(scene, settings);
+    std::uint64_t unsolved = 0;
+    const auto wind = [&](double from, double to) {
+      for (int i = 1; i <= 600; ++i) {
+        const double s = i / 600.0;
+        world.set_length(0, from + (to - from) * s * s * (3 - 2 * s));
+        unsolved += world.step(frame).unsolved;
+      }
+      for (int i = 0; i < 60; ++i) unsolved += world.step(frame).unsolved;
+      EXPECT_NEAR(-world.position(1).y / to, 1, 1e-8) << to_string(gradient);
+      EXPECT_NEAR(world.tension(0), 2 * 9.81, 1e-6) << to_string(gradient);
+    };
+    wind(made, far);
+    wind(far, 1);
+    EXPECT_EQ(unsolved, 0u) << to_string(gradient);
+  }
+}
+
 // Rods that give but that a substep does not resolve follow the winch, with gradient old as well: the load is
 // as fast as it is hauled, and weighs what it weighs. A force that trembles makes each step a new one.
 TEST(Winch, HaulsOnStiffRodsAtItsRateWithGradientOld) {

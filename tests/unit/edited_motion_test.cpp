@@ -73,6 +73,40 @@ TEST(EditedMotion, RefusesToFreeWhatWasPulledOffItsRod) {
   world.step(frame);
 }
 
+// A rod that got two fixed ends in the step that was to change its length never did, and neither free() nor
+// set_length() helped.
+TEST(EditedMotion, RefusesToFixBothEndsOfWhatChangesItsLength) {
+  Scene scene = flying_rod();
+  scene.particles[0].fixed = true;
+  for (Particle& particle : scene.particles) particle.velocity = {};
+  for (const Method method : {Method::direct, Method::relax}) {
+    World world(scene, {.method = method});
+    const auto fix = [&] { world.fix(1); };
+    const auto set_length = [&] { world.set_length(0, 1.1); };
+    set_length();
+    EXPECT_EQ(
+        test::refusal(fix),
+        "particle 1: cannot be fixed, since rod 0 changes its length in the next step, and its other end "
+        "is fixed");
+    world.set_length(0, 1);
+    fix();
+    EXPECT_EQ(test::refusal(set_length),
+              "rod 0: its length cannot change, since both its ends are fixed in the next step");
+    world.step(frame);
+    EXPECT_EQ(test::refusal(set_length), "rod 0: its length cannot change, since both its ends are fixed");
+    world.free(1);
+    world.step(frame);
+    for (int i = 0; i < 4; ++i) {
+      set_length();
+      world.step(frame);
+    }
+    EXPECT_NEAR(norm(world.position(1) - world.position(0)), 1.1, 1e-3);
+    fix();
+    world.step(frame);
+    EXPECT_EQ(test::refusal(set_length), "rod 0: its length cannot change, since both its ends are fixed");
+  }
+}
+
 TEST(EditedMotion, TeleportsTakeOutWhatStretchesRods) {
   for (const Gradient gradient : gradients) {
     World world(flying_rod(), {.method = Method::direct, .gradient = gradient});

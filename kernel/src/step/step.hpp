@@ -265,6 +265,7 @@ class Step {
   template <class At>
   void keep_lengths(std::vector<Motion>& motions, At&& at) const;
   void require_fit_of_fixed(std::uint32_t particle) const;
+  void require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const;
   double misfit_now(std::uint32_t rod, double distance) const;
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;

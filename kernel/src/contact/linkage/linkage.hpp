@@ -252,8 +252,8 @@ class Linkage {
   void push_flat(std::span<const Vec3> gradients, std::span<double> right) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
-  /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
-  /// What all call `squares` is RodLengths::squares().
+  /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one,
+  /// as a share of those of `squares` that are above 1, which all call RodLengths::squares() by.
   double violations(std::span<const Vec3> x, std::span<const double> squares, std::span<double> right) const;
   /// Writes J(x) d - C(x + d). A solution for it moves by about d and keeps constraints to second order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,

@@ -109,13 +109,15 @@ void Linkage::stiffen(const Combination& at, const Sym3& by, std::span<simd::Blo
 double Linkage::violations(std::span<const Vec3> x, std::span<const double> squares,
                            std::span<double> right) const {
   double worst = 0;
-  const auto set = [&](std::uint32_t row, double value) {
+  const auto set = [&](std::uint32_t row, double value, double scale = 1) {
     right[plan_.position(row)] = -value;
-    worst = std::max(worst, std::abs(value));
+    worst = std::max(worst, std::abs(value) / scale);
   };
   for (const RodRow& rod : rods_) {
     const Vec3 d = x[rod.b] - x[rod.a];
-    set(rod.row, 0.5 * (rod.over2 * dot(d, d) - (squares.empty() ? 1 : squares[rod.number])));
+    // Rounding of what was paid out grows with the square, and so does what counts as solved.
+    const double square = squares.empty() ? 1 : squares[rod.number];
+    set(rod.row, 0.5 * (rod.over2 * dot(d, d) - square), std::max(square, 1.0));
   }
   for (const DotRow& each : dots_) set(each.row, each.over * (dot(each.u.of(x), each.v.of(x)) - each.value));
   for (const PinRow& pin : pins_) {

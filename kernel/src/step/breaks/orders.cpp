@@ -155,6 +155,15 @@ void Step::require_refixable(std::uint32_t particle) const {
   }
 }
 
+/// Refuses to fix a particle where a rod to another fixed one is to change its length in the same step.
+/// Nobody could follow that, and the rod would be off its length when an end is freed.
+void Step::require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const {
+  const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
+  if (will_be_fixed(a == particle ? b : a) && lengths_.will_change(rod) && !is_broken(rod))
+    refuse("particle ", particle, ": cannot be fixed, since rod ", rod,
+           " changes its length in the next step, and its other end is fixed");
+}
+
 void Step::fix(std::uint32_t particle, bool is_fixed) {
   if (will_be_fixed(particle) == is_fixed) return;
   breaks_.begin();
@@ -162,6 +171,7 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   require_editable("particle", particle, particle);
   require_no_joints("particle", particle, particle);
   for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+    if (is_fixed) require_kept_between_fixed(rod, particle);
     require_editable("particle", particle, rods_.end(rod));
     require_no_joints("particle", particle, rods_.end(rod));
     if (const auto twist = breaks_.twist_at(rods_.end(rod)))

@@ -18,6 +18,8 @@ class Lengths {
 
   double length(std::uint32_t cord) const { return lengths_[cord]; }
   double target(std::uint32_t cord) const { return targets_[cord]; }
+  /// Returns whether a cord will change its length in the next step.
+  bool will_change(std::uint32_t cord) const { return targets_[cord] != lengths_[cord]; }
   /// Returns the rate (m/s) of a cord's length in the last step, and in the one before.
   double rate(std::uint32_t cord) const { return rates_[cord]; }
   double rate_before(std::uint32_t cord) const { return rates_before_[cord]; }

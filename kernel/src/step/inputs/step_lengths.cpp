@@ -16,6 +16,11 @@ void Step::set_length(std::uint32_t cord, double target) {
     refuse("rod ", cord, ": its length cannot change, since ",
            stands ? "both its ends are fixed" : "its method does not know of that");
   }
+  if (!edits_.fixed.empty() && !is_line(cord)) {
+    const Rod& rod = breaks_.scene_now().rods[cord];
+    if (will_be_fixed(rod.a) && will_be_fixed(rod.b))
+      refuse("rod ", cord, ": its length cannot change, since both its ends are fixed in the next step");
+  }
   if (cord < reeled_.size() && reeled_[cord] != 0)
     refuse("rod ", cord, ": its length cannot change by itself, since it is on a reel");
   if (cord < twisted_.size() && twisted_[cord] != 0)
