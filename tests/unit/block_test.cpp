@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "relax/constants.hpp"
@@ -61,6 +62,30 @@ TEST(Block, KeepsSlotsApart) {
       for (std::uint32_t slot = 0; slot < slots; ++slot)
         EXPECT_EQ(block.read(block.kick(), slot), (Vec3{1.0 * slot, 0.5 * slot, -1.0 * slot}));
     }
+  }
+}
+
+// An island that is cut or removed leaves no lengths to follow in its lanes; others keep theirs.
+TEST(Block, ForgetsLengthsOfWhatWasTakenOut) {
+  Scene scene = scenes::make_chain(4);
+  const auto particles = static_cast<std::uint32_t>(scene.particles.size());
+  for (std::uint32_t i = 0; i < particles; ++i) {
+    scene.particles.push_back(scene.particles[i]);
+    scene.particles.back().position.z += 1;
+    if (i > 0) scene.rods.push_back({.a = particles + i - 1, .b = particles + i});
+  }
+  for (Block<double>& block : blocks_of(scene)) {
+    const auto& edges = block.packing().lane_edge;
+    const auto lane_of = [&](std::uint32_t rod) {
+      return static_cast<std::size_t>(std::find(edges.begin(), edges.end(), rod) - edges.begin());
+    };
+    for (std::size_t lane = 0; lane < edges.size(); ++lane)
+      if (edges[lane] == 1 || edges[lane] == 5) block.set_length(lane, 0.1, 0.5);
+    const auto& vertices = block.packing().slot_vertex;
+    const auto slot = std::find(vertices.begin(), vertices.end(), particles + 1) - vertices.begin();
+    block.freeze_island(static_cast<std::uint32_t>(slot));
+    EXPECT_EQ(block.rate(lane_of(1)), 0.5);
+    EXPECT_EQ(block.rate(lane_of(5)), 0);
   }
 }
 

@@ -311,6 +311,54 @@ TEST(Middle, IsTheSumThatBlendMakes) {
   }
 }
 
+// Lengths that change are followed rod by rod. Sweeps then do bit for bit what they do in a crowd that weighs
+// all rods anew: of rods of one length or not, where others change, and where none does any more.
+TEST(Crowd, FollowsLengthsAsIfAllWereWeighedAnew) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= 40; ++i)
+    scene.particles.push_back({.position = {0.1 * i, 0, 0}, .mass = 1, .fixed = i == 0});
+  for (std::uint32_t i = 0; i < 40; ++i) scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
+  One one(scene);
+  const CrowdRules rules;
+  const auto moved = [&](Crowd<double>& crowd) {
+    const auto& kernels = simd::kernels<double>(best_isa()).access[static_cast<int>(crowd.places().access())];
+    crowd.predict(0.01, Gradient::mid);
+    crowd.prepare(kernels, false);
+    for (int sweep = 0; sweep < 3; ++sweep) crowd.sweep(kernels, Gradient::mid, false);
+    std::vector<Vec3> out;
+    for (std::uint32_t k = 0; k < one.kind.particles(); ++k)
+      out.push_back(crowd.moved(crowd.number_of(0, k)));
+    return out;
+  };
+  Crowd<double> crowd;
+  std::vector<Vec3> last;
+  const auto expect_alike = [&](double t) {
+    crowd.gather(one.cluster, rules);
+    one.state.lengths.follow(t);
+    crowd.follow_lengths();
+    Crowd<double> fresh;
+    fresh.gather(one.cluster, rules);
+    const std::vector<Vec3> now = moved(crowd);
+    EXPECT_EQ(now, moved(fresh));
+    EXPECT_NE(now, last) << "the change must show";
+    last = now;
+    one.state.lengths.follow(0);
+  };
+  expect_alike(0);
+  RodLengths& lengths = one.state.lengths;
+  lengths.set(0, 40, 0.1, 0.1, 0.5);
+  expect_alike(0.01);
+  expect_alike(0.02);
+  lengths.set(7, 40, 0.1, 0.12, -0.5);
+  expect_alike(0.01);
+  lengths = {};
+  lengths.set(20, 40, 0.1, 0.2, 0);
+  lengths.set(7, 40, 0.1, 0.2, 0);
+  expect_alike(0);
+  lengths = {};
+  expect_alike(0);
+}
+
 // Islands that are alike keep contacts of the same keys. Each finds its own, and none what it did not keep.
 TEST(KeptTable, FindsWhatAnIslandKeptByKey) {
   std::deque<One> ones;

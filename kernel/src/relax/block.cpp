@@ -269,6 +269,7 @@ void Block<T>::freeze_island(std::uint32_t of) {
     frozen_slots_[slot] = 1;
   }
   retire_frozen_rods(q0, q1);
+  forget_lengths_of_retired();
 }
 
 template <class T>

@@ -220,6 +220,7 @@ class Block {
   void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
   /// Turns a rod in a lane into padding, which pulls nothing.
   void switch_off(std::size_t lane);
+  void forget_lengths_of_retired();
   void make_laws(const Constants& constants);
   void make_strengths(const Constants& constants);
   /// Tells may_break() of a rod's strength and mass.

@@ -28,8 +28,10 @@ void Crowd<T>::gather(std::span<LinkageState* const> cluster, const CrowdRules& 
     moves_.clear();
     for (const LinkageState* const state : cluster) moves_.push_back(moves(*state) ? 1 : 0);
     lay_out(cluster, rules);
-  } else if (changes_lengths_) {
+  } else if (have_others_changed()) {
     weigh_rods(rules);
+  } else {
+    follow_lengths();
   }
   origin_ = cluster.front()->x.front();
   anchors_.clear();
@@ -88,6 +90,41 @@ double Crowd<T>::length2(const CrowdPlaces::Rod& rod) const {
   return rod.length2 * laid_out_[rod.island]->lengths.square(rod.number);
 }
 
+/// Notes which rods have changed their lengths, since all others stay as they are weighed.
+template <class T>
+void Crowd<T>::note_changed() {
+  changed_.clear();
+  for (std::uint32_t i = 0; i < laid_out_.size(); ++i)
+    for (const RodLengths::Change& each : laid_out_[i]->lengths.changes()) changed_.push_back({i, each.rod});
+  changed_lanes_.clear();
+  if (changed_.empty()) return;
+  const auto rods = places_.rods();
+  for (std::uint32_t lane = 0; lane < rods.size(); ++lane)
+    if (rods[lane].island != none && laid_out_[rods[lane].island]->lengths.find(rods[lane].number))
+      changed_lanes_.push_back(lane);
+}
+
+/// Returns whether other rods have changed their lengths than when rods were weighed.
+template <class T>
+bool Crowd<T>::have_others_changed() const {
+  std::size_t at = 0;
+  for (std::uint32_t i = 0; i < laid_out_.size(); ++i)
+    for (const RodLengths::Change& each : laid_out_[i]->lengths.changes()) {
+      if (at == changed_.size() || changed_[at] != ChangedRod{i, each.rod}) return true;
+      ++at;
+    }
+  return at != changed_.size();
+}
+
+template <class T>
+void Crowd<T>::follow_lengths() {
+  for (const std::uint32_t lane : changed_lanes_) {
+    const double square = length2(places_.rods()[lane]);
+    weight(lane, 0) = static_cast<T>(square);
+    weight(lane, 3) = static_cast<T>(1 / square);
+  }
+}
+
 template <class T>
 void Crowd<T>::weigh_rods(const CrowdRules& rules) {
   const auto rods = places_.rods();
@@ -112,19 +149,25 @@ void Crowd<T>::weigh_rods(const CrowdRules& rules) {
     weight(lane, 3) = static_cast<T>(1 / square);
     mass_of_move_[lane] = rules.omega / 4 / (wa + wb);
   }
+  note_changed();
   find_uniform();
 }
 
 /// Finds which vectors have rods alone that are like the first one, so that their weights need not be read.
+/// Rods that have changed their lengths are none of them.
 template <class T>
 void Crowd<T>::find_uniform() {
   ranges_.clear();
   const auto rods = places_.rods();
   if (rods.empty()) return;
-  uniform_length2_ = weight(0, 0);
-  uniform_share_ = weight(0, 1);
-  uniform_inverse_ = weight(0, 3);
+  std::size_t first = 0;  // that stays as it is
+  while (first < changed_lanes_.size() && changed_lanes_[first] == first) ++first;
+  if (first == rods.size()) first = 0;
+  uniform_length2_ = weight(first, 0);
+  uniform_share_ = weight(first, 1);
+  uniform_inverse_ = weight(first, 3);
   const auto is_uniform = [&](std::size_t lane) {
+    if (std::binary_search(changed_lanes_.begin(), changed_lanes_.end(), lane)) return false;
     return rods[lane].island != none && weight(lane, 0) == uniform_length2_ &&
            weight(lane, 1) == uniform_share_ && weight(lane, 2) == uniform_share_ &&
            weight(lane, 3) == uniform_inverse_;

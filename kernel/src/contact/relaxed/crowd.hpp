@@ -37,8 +37,8 @@ class Crowd {
   void gather(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   /// Returns whether some rod has changed its length.
   bool has_changed_lengths() const { return changes_lengths_; }
-  /// Shares corrections between the ends of rods, which are as long as RodLengths say now.
-  void weigh_rods(const CrowdRules& rules);
+  /// Makes rods that have changed their length as long as RodLengths say now.
+  void follow_lengths();
   /// Lays out everything anew when it gathers next.
   void forget() { is_stale_ = true; }
   /// Writes back where an island is and how it moves.
@@ -152,6 +152,10 @@ class Crowd {
   double kinetic(const T* data) const;
   void lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   double length2(const CrowdPlaces::Rod& rod) const;  ///< m²
+  /// Shares corrections between the ends of rods, which are as long as RodLengths say now.
+  void weigh_rods(const CrowdRules& rules);
+  void note_changed();
+  bool have_others_changed() const;
   void find_uniform();
   /// Returns a field of a rod's weights.
   T& weight(std::size_t lane, std::size_t field) {
@@ -162,7 +166,14 @@ class Crowd {
   std::vector<const LinkageState*> laid_out_;  ///< the islands that rods were laid out for
   bool is_stale_ = false;                      ///< an island was stopped since
   bool changes_lengths_ = false;
-  std::vector<std::uint8_t> moves_;  ///< by island: it is awake and not frozen
+  /// An island's rod that has changed its length.
+  struct ChangedRod {
+    std::uint32_t island, number;
+    friend bool operator==(const ChangedRod&, const ChangedRod&) = default;
+  };
+  std::vector<ChangedRod> changed_;           ///< when rods were weighed
+  std::vector<std::uint32_t> changed_lanes_;  ///< theirs, in order
+  std::vector<std::uint8_t> moves_;           ///< by island: it is awake and not frozen
   CrowdPlaces places_;
   std::uint32_t stride_ = 1;            ///< of components
   std::vector<double> inverse_mass_;    ///< 1/kg, by particle; 0 for what does not move

@@ -107,7 +107,7 @@ template <class T>
 void RelaxedStepper<T>::follow_lengths(std::span<LinkageState* const> cluster, double t) {
   if (!crowd_.has_changed_lengths()) return;
   for (LinkageState* const state : cluster) state->lengths.follow(t);
-  crowd_.weigh_rods(rules_);
+  crowd_.follow_lengths();
 }
 
 /// Moves a cluster through a time, unless it may be halved and that is better. Returns whether it did.

@@ -52,6 +52,15 @@ void Block<T>::write_length(std::size_t lane, double length) {
   if (gives_) law_[vector * simd::law_fields::rod * lanes + column] = static_cast<T>(length);
 }
 
+/// Nobody asks for the lengths of rods that are switched off.
+template <class T>
+void Block<T>::forget_lengths_of_retired() {
+  const std::size_t lanes = packing_.lanes;
+  std::erase_if(changed_, [&](const ChangedRod& each) {
+    return weight_[(each.lane / lanes * simd::weight_fields + 3) * lanes + each.lane % lanes] == 0;
+  });
+}
+
 template <class T>
 double Block<T>::length2_of(std::size_t lane, const Constants& constants) const {
   const bool has_changed = !changed_length2_.empty() && changed_length2_[lane] > 0;
@@ -74,6 +83,7 @@ void Block<T>::tell_apart(std::size_t lane) {
   template void Block<T>::follow_lengths(std::uint32_t, std::uint32_t, double); \
   template void Block<T>::write_length(std::size_t, double);                    \
   template double Block<T>::length2_of(std::size_t, const Constants&) const;    \
+  template void Block<T>::forget_lengths_of_retired();                          \
   template void Block<T>::tell_apart(std::size_t);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)
