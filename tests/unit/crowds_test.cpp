@@ -11,6 +11,7 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/colored_rods.hpp"
 #include "contact/relaxed/crowd.hpp"
+#include "contact/relaxed/crowd_blows.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
@@ -316,7 +317,7 @@ TEST(Middle, IsTheSumThatBlendMakes) {
 TEST(Crowd, FollowsLengthsAsIfAllWereWeighedAnew) {
   Scene scene;
   for (std::uint32_t i = 0; i <= 40; ++i)
-    scene.particles.push_back({.position = {0.1 * i, 0, 0}, .mass = 1, .fixed = i == 0});
+    scene.particles.push_back({.position = {0.1 * i, 0, 0}, .mass = 1, .fixed = i == 40});
   for (std::uint32_t i = 0; i < 40; ++i) scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
   One one(scene);
   const CrowdRules rules;
@@ -357,6 +358,35 @@ TEST(Crowd, FollowsLengthsAsIfAllWereWeighedAnew) {
   expect_alike(0);
   lengths = {};
   expect_alike(0);
+}
+
+// An anchor that goes on at 1 m/s and a rod that is wound at 0.5 m/s give both particles behind them their
+// speeds once, and each rod the impulse of what hangs from it. What keeps its speed gets no blow.
+TEST(CrowdBlows, GiveTheSpeedOfAnchorsAndLengthsOnce) {
+  Scene scene;
+  scene.particles = {{.position = {0, -0.1, 0}, .mass = 2},
+                     {.position = {0, -0.2, 0}, .mass = 3},
+                     {.position = {0, 0, 0}, .fixed = true}};  // those come last
+  scene.rods = {{.a = 2, .b = 0}, {.a = 0, .b = 1}};
+  One one(scene);
+  LinkageState& state = one.state;
+  state.pulls = one.kind.make_pulls();
+  state.pulls.counts = true;
+  state.v.back() = {0, 1, 0};
+  state.lengths.set(0, 2, 0.1, 0.1, -0.5);
+  const CrowdRules rules{.stop = {.sweeps = 500}};
+  Crowd<double> crowd;
+  CrowdJoints<double> joints;
+  CrowdBlows<double> blows;
+  crowd.gather(one.cluster, rules);
+  EXPECT_TRUE(blows.give(one.cluster, crowd, joints, rules));
+  EXPECT_FALSE(blows.give(one.cluster, crowd, joints, rules));
+  for (std::uint32_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(norm(crowd.velocity(crowd.number_of(0, k)) - Vec3{0, 1.5, 0}), 0, 1e-12) << k;
+  EXPECT_NEAR(state.pulls.rods[0], 1.5 * 5, 1e-12);
+  EXPECT_NEAR(state.pulls.rods[1], 1.5 * 3, 1e-12);
+  EXPECT_NEAR(norm(state.pulls.fixed[0] - Vec3{0, -1.5 * 5, 0}), 0, 1e-12);
+  EXPECT_NEAR(state.lengths.find(0)->work, 1.5 * 5 * 0.5 / 2, 1e-12) << "at the mean of both rates";
 }
 
 // Islands that are alike keep contacts of the same keys. Each finds its own, and none what it did not keep.
