@@ -156,9 +156,9 @@ class PLUMB_API World {
   /// one.
   double torsion_angle(std::uint32_t torsion) const;
 
-  /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. A broken
-  /// one ignores it. Throws InputError on an unknown rod, a length that is not positive and finite, and rods
-  /// of reels or twists. Beside joints or shapes it does so on rods that give, bend, drag or are of a body.
+  /// Lets a rod become `target` (m) long in the next step, at a constant rate, as a winch does. A broken one
+  /// ignores it. Throws InputError on an unknown rod, a length not positive and finite, and rods of reels,
+  /// twists or fixed ends. Beside joints or shapes it does so on what gives, bends, drags or is of a body.
   void set_length(std::uint32_t rod, double target);
 
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the
@@ -206,8 +206,8 @@ class PLUMB_API World {
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end, and so do
-  /// capsules between fixed particles alone. Throws InputError as cut() does, on particles of bends, tackles,
-  /// twists and reels, and on islands with joints, springs, air on rods, or shapes and rods that give.
+  /// capsules between fixed ones. Throws InputError as cut() does, on particles of bends, tackles, twists,
+  /// reels and wound rods to fixed ones, and islands with joints, springs, air, or shapes and rods that give.
   void fix(std::uint32_t particle);
   /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
   /// as fix() and join() do, if it has no mass, and if it holds a capsule of the ground. So it does if a
