@@ -70,11 +70,12 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   for (Batch& batch : batches_) batch.clear();
   kept_.clear();
   if (!near_.are_all_plain()) kept_.gather(cluster);
+  const bool counts = is_counted(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
     const Share share{number % shares, shares};
     Batch& batch = batches_[number];
-    const Substep in{cluster, crowd, surroundings, ground, h, batch};
+    const Substep in{cluster, crowd, surroundings, ground, h, batch, counts};
     if (kind == 0) {
       touch_planes(in, share.of(near_.on_planes()));
     } else if (kind == 1) {
@@ -100,6 +101,13 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   } else {
     for (std::uint32_t number = 0; number < kinds; ++number) find(number);
   }
+}
+
+/// Returns whether somebody asks what pushes an island.
+template <class T>
+bool CrowdContacts<T>::is_counted(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return state->pulls.are_asked_for(); });
 }
 
 /// Wakes the sleepers that are about to be pushed. Returns whether there are any.
@@ -269,15 +277,15 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const double h2 = in.h * in.h;
   // What is fast, or turns out to be missed, which one thread finds, may be the first that asks.
   if (!kept_.is_gathered()) kept_.gather(in.cluster);
-  const KeptContact held = kept_.at(state, island, contact.key);
-  if (held.key != contact.key) return;
-  const double along = dot(held.force, contact.normal);
+  const KeptContact* const held = kept_.find(state, island, contact.key, in.to.next_kept);
+  if (held == nullptr) return;
+  const double along = dot(held->force, contact.normal);
   contact.push = h2 * std::max(0.0, along);
-  if (along > 0) contact.across = h2 * (held.force - along * contact.normal);
+  if (along > 0) contact.across = h2 * (held->force - along * contact.normal);
   if (contact.turning == none) return;
   Turning& turning = in.to.turnings[contact.turning];
-  const KeptContact turned = kept_.at(state, island, turning.key);
-  if (turned.key == turning.key) turning.push = h2 * turned.force;
+  const KeptContact* const turned = kept_.find(state, island, turning.key, in.to.next_kept);
+  if (turned != nullptr) turning.push = h2 * turned->force;
 }
 
 template <class T>
@@ -299,6 +307,7 @@ template <class T>
 void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h) {
   for (LinkageState* const state : cluster)
     if (!state->asleep) state->kept.clear();
+  const bool counts = is_counted(cluster);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     const Vec3 push = contact.push * contact.normal + contact.across;
     if (push == Vec3{}) return;
@@ -309,6 +318,7 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
         state.kept.push_back({turning.key, 1 / (h * h) * turning.push, {}});
       }
     }
+    if (!counts) return;
     count_impulses(cluster, crowd, batch, contact, h);
     count_touch(cluster, crowd, batch, contact, h);
   });

@@ -37,7 +37,11 @@ template <class T>
 class CrowdContacts {
  public:
   CrowdContacts(const ContactSettings& settings, const simd::Kernels<T>& kernels)
-      : settings_(settings), near_(settings), ends_(settings, kernels), vectors_(kernels) {}
+      : settings_(settings),
+        kernels_(&kernels),
+        near_(settings),
+        ends_(settings, kernels),
+        vectors_(kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
   /// (1/s) is the share of an overlap that is taken back.
@@ -181,6 +185,7 @@ class CrowdContacts {
     std::vector<TurnTerm> turn_terms{};
     std::vector<Turning> turnings{};
     std::vector<std::uint32_t> woken{};  ///< islands
+    std::size_t next_kept = 0;           ///< where the next contact is likely to be kept
     bool is_struck = false;              ///< a capsule meets another one that it would pass
     void clear() {
       terms.clear();
@@ -189,6 +194,7 @@ class CrowdContacts {
       turn_terms.clear();
       turnings.clear();
       woken.clear();
+      next_kept = 0;
       is_struck = false;
     }
     std::span<const Term> terms_of(TermRange range) const {
@@ -203,6 +209,7 @@ class CrowdContacts {
     const GroundNow& ground;
     double h;
     Batch& to;
+    bool counts;  ///< somebody asks what touches
   };
   /// Says what of a list one of several threads works through.
   struct Share {
@@ -223,11 +230,19 @@ class CrowdContacts {
     std::array<std::uint32_t, 2> at;
     double least2;
   };
-  /// This is how the line of a body moves, from the crowd's origin, and how far its ends do at most (m).
-  struct PlacedLine {
-    MovingSegment way;
-    double moves;
+  /// This is how the line of a body moves, from the crowd's origin, in the order of simd::line_fields.
+  struct alignas(64) PlacedLine {
+    Vec3 p{};
+    double radius = 0;
+    Vec3 q{};
+    double moves = 0;  ///< m, how far its ends do at most
+    Vec3 p_by{};
+    double unused = 0;
+    Vec3 q_by{};
+    double unused_too = 0;
+    MovingSegment way() const { return {{p, q, radius}, p_by, q_by}; }
   };
+  static_assert(sizeof(PlacedLine) == simd::line_fields::count * sizeof(double));
 
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
     return in.cluster[side.island]->linkage->shape_of(side.shape);
@@ -250,6 +265,11 @@ class CrowdContacts {
   /// Returns the side of a contact on one of the shapes that ground has.
   static Side ground_side(const Substep& in, std::uint32_t ground);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);
+  void add_lines(const Substep& in, const Pair& pair, const simd::LineTouch& touch);
+  std::uint64_t key_of(const Substep& in, const Pair& pair, std::uint32_t which) const;
+  void touch_lines(const Substep& in, std::span<const simd::LinePair> pairs);
+  void touch_shapes(const Substep& in, const Pair& pair);
+  static bool is_counted(std::span<LinkageState* const> cluster);
   void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
   void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
   void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
@@ -326,6 +346,7 @@ class CrowdContacts {
                    const Contact& contact, double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
+  const simd::Kernels<T>* kernels_;
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   CrowdEnds<T> ends_;

@@ -237,7 +237,7 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
     batch.left_out.erase(std::remove_if(batch.left_out.begin(), batch.left_out.end(), comes),
                          batch.left_out.end());
   }
-  const Substep in{cluster, crowd, surroundings, ground, h, last};
+  const Substep in{cluster, crowd, surroundings, ground, h, last, is_counted(cluster)};
   find_missed_pairs(in, team);
   if (!surroundings.tree.is_empty()) {
     find_missed_bodies(in);

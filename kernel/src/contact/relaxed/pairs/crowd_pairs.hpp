@@ -35,6 +35,8 @@ class CrowdPairs {
     double radius;                    ///< m
     bool turns;                       ///< a solid with what touches it
     bool is_plain() const { return at[0] != none && at[1] != none; }
+    /// Returns whether it is a line between two particles that turns with nothing.
+    bool is_line() const { return is_plain() && at[0] != at[1] && !turns; }
   };
   struct Ball {
     std::uint32_t island, number;

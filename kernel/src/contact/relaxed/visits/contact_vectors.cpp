@@ -78,16 +78,26 @@ void ContactVectors<T>::reserve(const Crowd<T>& crowd) {
     at_.reserve(room * most_terms);
     pushes_.reserve(room);
   }
-  std::fill_n(fields_.data(), size * fields::count, T(0));
-  at_.assign(size * most_terms, crowd.places().numbers());
-  pushes_.assign(size, {});
+  at_.resize(size * most_terms);
+  pushes_.resize(size);
+  // Lanes that get no contact are in the last vectors of ranges. The others are written as a whole.
+  for (const simd::ContactRange& range : ranges_) clear(crowd, range.end - 1);
+}
+
+/// Leaves a vector without contacts.
+template <class T>
+void ContactVectors<T>::clear(const Crowd<T>& crowd, std::size_t vector) {
+  std::fill_n(&fields_[vector * fields::count * lanes], fields::count * lanes, T(0));
+  std::fill_n(&at_[vector * most_terms * lanes], most_terms * lanes, crowd.places().numbers());
+  std::fill_n(&pushes_[vector * lanes], lanes, Pushes{});
 }
 
 template <class T>
 void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   const std::uint8_t color = color_[put_++];
   const std::size_t lane = next_[color]++;
-  const auto set = [&](std::uint32_t number, double value) { field(lane, number) = static_cast<T>(value); };
+  T* const own = &field(lane, 0);
+  const auto set = [&](std::uint32_t number, double value) { own[number * lanes] = static_cast<T>(value); };
   const auto set3 = [&](std::uint32_t first, Vec3 value) {
     set(first, value.x);
     set(first + 1, value.y);
@@ -105,9 +115,8 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   const std::uint32_t room = color % classes == 0 ? 2 : most_terms;
   std::uint32_t k = room;
   Vec3 carried = contact.carried;
-  const auto place = [&](std::uint32_t term) -> std::uint32_t& {
-    return at_[(lane / lanes * most_terms + term) * lanes + lane % lanes];
-  };
+  std::uint32_t* const places = &at_[lane / lanes * most_terms * lanes + lane % lanes];
+  const auto place = [&](std::uint32_t term) -> std::uint32_t& { return places[term * lanes]; };
   for (const Term& term : contact.terms) {
     if (term.move == 0) {  // goes where it goes, whatever pushes it
       carried -= term.weight * crowd.moved(term.at);
@@ -118,7 +127,11 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
     set(fields::weight + k, term.weight);
     set(fields::move + k, term.move);
   }
-  while (k > 0) place(--k) = place(room - 1);
+  while (k > 0) {
+    place(--k) = place(room - 1);
+    set(fields::weight + k, 0);
+    set(fields::move + k, 0);
+  }
   set3(fields::carried, carried);
   pushes_[lane] = {contact.push, contact.across};
 }

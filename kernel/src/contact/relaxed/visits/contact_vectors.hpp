@@ -65,6 +65,7 @@ class ContactVectors {
   simd::ContactView<T> view(Crowd<T>& crowd) {
     return {crowd.displacements(), fields_.data(), at_.data(), crowd.places().component_stride()};
   }
+  void clear(const Crowd<T>& crowd, std::size_t vector);
   T& field(std::size_t lane, std::size_t field) {
     return fields_[(lane / lanes * simd::contact_fields::count + field) * lanes + lane % lanes];
   }
