@@ -141,25 +141,33 @@ class CrowdContacts {
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    // These are what every visit reads, side by side.
-    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
-    std::uint32_t turning = none;
-    bool in_vectors = false;
+    /// Sets what follows, and no zeros before that, as it would else be done for every contact.
+    Contact() {}  // NOLINT(modernize-use-equals-default)
+
+    TermRange terms{};  ///< of the middles of shapes
     Vec3 normal{};
-    double gap = 0;                     ///< m, what may be lost
-    double friction = 0;                ///< Coulomb's coefficient
-    double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
-    double push = 0;                    ///< kg m
-    Vec3 across{};                      ///< kg m, against sliding
-    Vec3 carried{};                     ///< m, how far the ground goes
-    // The others are read once in a substep.
-    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
-    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    double gap = 0;       ///< m, what may be lost
+    double friction = 0;  ///< Coulomb's coefficient
+    double over = 0;      ///< kg, what changes its places by a metre
+    double push = 0;      ///< kg m
+    Vec3 across{};        ///< kg m, against sliding
     std::uint64_t key = 0;
+    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
+    std::uint32_t rare = none;      ///< what few contacts have
+    bool in_vectors = false;
+  };
+  /// Few contacts have this: those that turn bodies, that are carried by ground or bounce, or are counted.
+  struct Rare {
+    bool slides_apart = false;  ///< friction holds other places
+    TermRange sliding{};        ///< these, if so
+    double over_sliding = 0;    ///< kg, what changes them by a metre
+    std::uint32_t turning = none;
+    Vec3 carried{};             ///< m, how far the ground goes
+    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
     double approach = 0;        ///< m/s, how fast it is about to be hit
     double bounce = 0;          ///< m/s, what it leaves the surface with
     double kick = 0;            ///< kg m/s, of a bounce
-    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
   };
   /// This is a particle of a body that turns at half the sum of all gradient x motion.
   struct TurnTerm {
@@ -182,6 +190,7 @@ class CrowdContacts {
     std::vector<Term> terms{};
     std::vector<Contact> contacts{};
     std::vector<Contact> left_out{};  ///< those that did not seem to come about
+    std::vector<Rare> rares{};
     std::vector<TurnTerm> turn_terms{};
     std::vector<Turning> turnings{};
     std::vector<std::uint32_t> woken{};  ///< islands
@@ -191,6 +200,7 @@ class CrowdContacts {
       terms.clear();
       contacts.clear();
       left_out.clear();
+      rares.clear();
       turn_terms.clear();
       turnings.clear();
       woken.clear();
@@ -199,6 +209,15 @@ class CrowdContacts {
     }
     std::span<const Term> terms_of(TermRange range) const {
       return std::span(terms).subspan(range.first, range.end - range.first);
+    }
+    const Rare& rare_of(const Contact& contact) const {
+      static constexpr Rare nothing{};
+      return contact.rare == none ? nothing : rares[contact.rare];
+    }
+    /// Returns the places that friction holds.
+    std::span<const Term> sliding_of(const Contact& contact) const {
+      const Rare& rare = rare_of(contact);
+      return terms_of(rare.slides_apart ? rare.sliding : contact.terms);
     }
   };
   /// These do not change while contacts of a substep of h (s) are found. What is found goes to a batch.
@@ -271,8 +290,8 @@ class CrowdContacts {
   void touch_shapes(const Substep& in, const Pair& pair);
   static bool is_counted(std::span<LinkageState* const> cluster);
   void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
-  void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
-  void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
+  void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Rare& rare);
+  void add_turning(const Substep& in, const std::array<Side, 2>& sides, const Contact& contact, Rare& rare);
   void start_from_kept(const Substep& in, Contact& contact);
   void touch_planes(const Substep& in, std::span<const Pair> pairs);
   void touch_boxes(const Substep& in, std::span<const Pair> pairs);
@@ -337,7 +356,7 @@ class CrowdContacts {
     bool is_none() const { return along + across == Vec3{}; }
   };
   Change visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
-  static double size_of(const Change& change, const Contact& contact);
+  static double size_of(const Change& change, const Batch& batch, const Contact& contact);
   void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
   void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
   void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,

@@ -109,7 +109,9 @@ void CrowdContacts<T>::touch_shapes(const Substep& in, const Pair& pair) {
 template <class T>
 void CrowdContacts<T>::add_lines(const Substep& in, const Pair& pair, const simd::LineTouch& touch) {
   const std::array<const Body*, 2> bodies{&near_.bodies()[pair.one], &near_.bodies()[pair.other]};
-  const Middle<T> one = middle_of(in, *bodies[0], touch.a), other = middle_of(in, *bodies[1], touch.b);
+  const auto end_of = [&](TermRange end) -> const Term& { return near_.terms_of(end).front(); };
+  const Middle<T> one(end_of(bodies[0]->a), end_of(bodies[0]->b), touch.a),
+      other(end_of(bodies[1]->a), end_of(bodies[1]->b), touch.b);
   const double moves = moves_of(one.terms()) + moves_of(other.terms());
   if (!(1 / moves < INFINITY)) return;
   Batch& to = in.to;
@@ -118,14 +120,17 @@ void CrowdContacts<T>::add_lines(const Substep& in, const Pair& pair, const simd
     if (touch.gap + touch.closing < 0 && state.asleep && !state.frozen) to.woken.push_back(body->island);
   }
   Contact& contact = to.contacts.emplace_back();
-  contact.terms.first = static_cast<std::uint32_t>(to.terms.size());
-  for (const Term& term : one.terms()) to.terms.push_back(term);
-  contact.other_terms = static_cast<std::uint32_t>(to.terms.size());
-  for (const Term& term : other.terms()) to.terms.push_back({term.at, -term.weight, -term.move});
-  contact.terms.end = static_cast<std::uint32_t>(to.terms.size());
-  contact.sliding = contact.terms;
+  std::array<Term, 4> terms;
+  std::uint32_t count = 0;
+  for (const Term& term : one.terms()) terms[count++] = term;
+  const auto first = static_cast<std::uint32_t>(to.terms.size());
+  contact.other_terms = first + count;
+  for (const Term& term : other.terms()) terms[count++] = {term.at, -term.weight, -term.move};
+  contact.terms = {first, first + count};
+  to.terms.insert(to.terms.end(), terms.begin(), terms.end());
+  if (count < terms.size()) to.terms.resize(first + count);
   contact.normal = {touch.x, touch.y, touch.z};
-  contact.over = contact.over_sliding = 1 / moves;
+  contact.over = 1 / moves;
   for (std::size_t i = 0; i < 2; ++i) {
     contact.island[i] = bodies[i]->island;
     contact.shape[i] = bodies[i]->number;
@@ -137,8 +142,10 @@ void CrowdContacts<T>::add_lines(const Substep& in, const Pair& pair, const simd
   const double restitution = std::max(surface.restitution, of_other.restitution);
   if (restitution > 0 || in.counts) {
     const double arriving = dot(contact.normal, in.crowd.velocity(to.terms_of(contact.terms)));
-    contact.approach = approach_of(touch.gap, touch.closing, arriving, in.h);
-    contact.bounce = bounce_of(restitution, settings_.bounce_speed, contact.approach);
+    contact.rare = static_cast<std::uint32_t>(to.rares.size());
+    Rare& rare = to.rares.emplace_back();
+    rare.approach = approach_of(touch.gap, touch.closing, arriving, in.h);
+    rare.bounce = bounce_of(restitution, settings_.bounce_speed, rare.approach);
   }
   start_from_kept(in, contact);
 }

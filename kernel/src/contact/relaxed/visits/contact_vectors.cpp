@@ -41,19 +41,20 @@ void ContactVectors<T>::begin(const Crowd<T>& crowd) {
 
 template <class T>
 bool ContactVectors<T>::color(const Crowd<T>& crowd, std::span<const Term> terms) {
+  std::array<std::uint64_t*, most_terms> masks;
   std::uint64_t taken = 0;
   std::uint32_t count = 0;
   for (std::size_t k = 0; k < terms.size(); ++k) {
     if (terms[k].move == 0) continue;
-    ++count;
+    if (count == most_terms) return false;
     for (std::size_t other = 0; other < k; ++other)
       if (terms[other].at == terms[k].at) return false;
-    taken |= taken_[crowd.places().particle_at(terms[k].at)];
+    masks[count] = &taken_[crowd.places().particle_at(terms[k].at)];
+    taken |= *masks[count++];
   }
-  if (count == 0 || count > most_terms || taken == ~std::uint64_t{0}) return false;
+  if (count == 0 || taken == ~std::uint64_t{0}) return false;
   const int color = std::countr_one(taken);
-  for (const Term& term : terms)
-    if (term.move != 0) taken_[crowd.places().particle_at(term.at)] |= std::uint64_t{1} << color;
+  for (std::uint32_t k = 0; k < count; ++k) *masks[k] |= std::uint64_t{1} << color;
   const auto number = static_cast<std::uint8_t>(classes * color + (count > 2));
   color_.push_back(number);
   ++next_[number];
@@ -73,7 +74,7 @@ void ContactVectors<T>::reserve(const Crowd<T>& crowd) {
   }
   const std::size_t size = std::size_t{vectors} * lanes;
   if (fields_.size() < size * fields::count) {
-    const std::size_t room = size + size / 2;  // as contacts come one after the other
+    const std::size_t room = size + size / 4;  // as contacts come one after the other
     fields_ = layouts::AlignedBuffer<T>(room * fields::count);
     at_.reserve(room * most_terms);
     pushes_.reserve(room);
@@ -93,7 +94,7 @@ void ContactVectors<T>::clear(const Crowd<T>& crowd, std::size_t vector) {
 }
 
 template <class T>
-void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
+void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact, Pushes pushes) {
   const std::uint8_t color = color_[put_++];
   const std::size_t lane = next_[color]++;
   T* const own = &field(lane, 0);
@@ -105,8 +106,8 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   };
   set3(fields::normal, contact.normal);
   set(fields::gap, contact.gap);
-  set(fields::push, *contact.push);
-  set3(fields::across, *contact.across);
+  set(fields::push, *pushes.push);
+  set3(fields::across, *pushes.across);
   set(fields::over, contact.over);
   set(fields::moves, 1 / contact.over);
   set(fields::friction, contact.friction);
@@ -133,7 +134,7 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
     set(fields::move + k, 0);
   }
   set3(fields::carried, carried);
-  pushes_[lane] = {contact.push, contact.across};
+  pushes_[lane] = pushes;
 }
 
 template <class T>
