@@ -65,7 +65,9 @@ void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
 
 template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
-  const double before = std::max(ends_.measured_sweep(crowd), vectors_.measured_sweep(crowd, team));
+  // One after the other: compilers differ in which argument of a call they evaluate first.
+  const double of_ends = ends_.measured_sweep(crowd);
+  const double before = std::max(of_ends, vectors_.measured_sweep(crowd, team));
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
     const Change change = visit(crowd, batch, contact);
     if (!change.is_none()) most = std::max(most, size_of(change, batch, contact));
