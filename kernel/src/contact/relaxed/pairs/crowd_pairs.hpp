@@ -202,6 +202,7 @@ class CrowdPairs {
   double least_radius_ = 0, largest_radius_ = 0, most_weight_ = 1;
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_
+  std::vector<std::uint32_t> seen_;      ///< by number in bounds_, for whom it was looked at last
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
   double margin_;                        ///< m, nearer than which shapes may touch
   double slop_;                          ///< m
