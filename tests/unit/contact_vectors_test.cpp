@@ -70,13 +70,13 @@ struct SomeContacts {
     for (std::uint32_t i = 0; i < count; ++i) {
       double moves = 0;
       for (const auto& term : terms[i]) moves += term.weight * term.move;
-      vectors.put(crowd, {.terms = terms[i],
-                          .normal = normal[i],
-                          .gap = i % 3 == 0 ? -0.001 : 0.0005,
-                          .over = 1 / moves,
-                          .friction = 0.3,
-                          .push = &push[i],
-                          .across = &across[i]});
+      vectors.put(crowd,
+                  {.terms = terms[i],
+                   .normal = normal[i],
+                   .gap = i % 3 == 0 ? -0.001 : 0.0005,
+                   .over = 1 / moves,
+                   .friction = 0.3},
+                  {&push[i], &across[i]});
     }
     for (std::uint32_t k = 0; k < particles; ++k)
       crowd.push(crowd.number_of(0, k), {0.001 * test::signed_unit(random), -0.002, 0});

@@ -107,7 +107,7 @@ TEST(LinkageBounds, HoldEveryShape) {
   const LinkageState& state = islands.states.front();
   const Bounds tight = bounds_of(*state.linkage, state.x, 0);
   for (const Linkage::Shape& shape : state.linkage->shapes())
-    for (const Combination* end : {&shape.a, &shape.b}) {
+    for (const ShapePlace* end : {&shape.a, &shape.b}) {
       const Vec3 p = end->of(state.x);
       for (const double by : {-shape.radius, shape.radius}) {
         EXPECT_GE(p.x + by, tight.low.x - 1e-12);

@@ -26,6 +26,12 @@ struct Columns {
   Vector<T, n> x, y, z;
 };
 
+/// Columns of records whose last number counts.
+template <class T, std::uint32_t n>
+struct FourColumns {
+  Vector<T, n> x, y, z, w;
+};
+
 template <class T>
 inline __attribute__((always_inline)) Record<T> load_record(const T* from) {
   Record<T> record;
@@ -88,20 +94,30 @@ inline __attribute__((always_inline)) V shuffle_fours(V a, V b) {
 }
 
 template <class T, std::uint32_t n>
-inline __attribute__((always_inline)) void to_columns(const Record<T>* records, Columns<T, n>& columns) {
+inline __attribute__((always_inline)) void to_four_columns(const Record<T>* records,
+                                                           FourColumns<T, n>& columns) {
   if constexpr (n == 2) {
     columns.x = __builtin_shufflevector(records[0], records[1], 0, 4);
     columns.y = __builtin_shufflevector(records[0], records[1], 1, 5);
     columns.z = __builtin_shufflevector(records[0], records[1], 2, 6);
+    columns.w = __builtin_shufflevector(records[0], records[1], 3, 7);
   } else {
     const auto r0 = join<T, n>(records, 0), r1 = join<T, n>(records, 1);
     const auto r2 = join<T, n>(records, 2), r3 = join<T, n>(records, 3);
     const auto xy01 = shuffle_fours<0, 4, 1, 5>(r0, r1), xy23 = shuffle_fours<0, 4, 1, 5>(r2, r3);
-    const auto z01 = shuffle_fours<2, 6, 3, 7>(r0, r1), z23 = shuffle_fours<2, 6, 3, 7>(r2, r3);
+    const auto zw01 = shuffle_fours<2, 6, 3, 7>(r0, r1), zw23 = shuffle_fours<2, 6, 3, 7>(r2, r3);
     columns.x = shuffle_fours<0, 1, 4, 5>(xy01, xy23);
     columns.y = shuffle_fours<2, 3, 6, 7>(xy01, xy23);
-    columns.z = shuffle_fours<0, 1, 4, 5>(z01, z23);
+    columns.z = shuffle_fours<0, 1, 4, 5>(zw01, zw23);
+    columns.w = shuffle_fours<2, 3, 6, 7>(zw01, zw23);
   }
+}
+
+template <class T, std::uint32_t n>
+inline __attribute__((always_inline)) void to_columns(const Record<T>* records, Columns<T, n>& columns) {
+  FourColumns<T, n> all;
+  to_four_columns(records, all);
+  columns = {all.x, all.y, all.z};
 }
 
 template <class T, std::uint32_t n>

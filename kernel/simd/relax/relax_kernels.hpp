@@ -4,6 +4,7 @@
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
+#include "simd/relax/contacts/line_kernels.hpp"
 
 /// The innermost loops, one body per instruction set, and the table they are called through.
 ///
@@ -236,6 +237,7 @@ struct Kernels {
   AccessKernels<T> access[3];    ///< by layouts::Access
   EndKernels<T> ends, row_ends;  ///< of records, and of rows
   ContactKernels<T> contacts, row_contacts;
+  LineKernels lines;
 };
 
 /// Every instruction set of this family of processors, slowest first, and what one must have for it (`cpu` is

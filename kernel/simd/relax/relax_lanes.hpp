@@ -6,6 +6,7 @@
 
 #include "simd/relax/contacts/contact_lanes.hpp"
 #include "simd/relax/contacts/end_lanes.hpp"
+#include "simd/relax/contacts/line_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
@@ -185,6 +186,7 @@ constexpr Kernels<T> table = {
     end_kernels<RowAccess, T>,
     contact_kernels<RecordAccess, T>,
     contact_kernels<GatherAccess, T>,
+    line_kernels,
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "simd/relax/contacts/contact_scalar.hpp"
 #include "simd/relax/contacts/end_scalar.hpp"
+#include "simd/relax/contacts/line_scalar.hpp"
 #include "simd/relax/law_scalar.hpp"
 
 namespace plumb::simd {
@@ -158,6 +159,7 @@ constexpr Kernels<T> table = {
     end_kernels<rows, T>,
     contact_kernels<records, T>,
     contact_kernels<rows, T>,
+    line_kernels,
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contact/pair_order.hpp"
@@ -37,8 +38,10 @@ class NearPairs {
     // Boxes that are not finite are looked for one by one, whatever the size of a cell.
     const double cell = sum / count;
     hash_.start(cell > 0 && cell < widest ? cell : 1, 4 * boxes.size());
+    seen_.assign(count, count);
     for (std::uint32_t l = 0; l < count; ++l)
       hash_.find_and_insert(l, boxes[l], [&](std::uint32_t k) {
+        if (std::exchange(seen_[k], l) == l) return;  // in another cell
         if (boxes[k].overlaps(boxes[l])) pairs_.push_back({std::min(k, l), std::max(k, l)});
       });
     order_.sort(pairs_, &Pair::first, count);
@@ -52,6 +55,7 @@ class NearPairs {
   static constexpr double widest = 1e100;  ///< m, of a cell
 
   SpatialHash hash_;
+  std::vector<std::uint32_t> seen_;  ///< by box, for which other it was looked at last
   std::vector<Pair> pairs_;
   PairOrder<Pair> order_;
 };

@@ -14,7 +14,8 @@
 namespace plumb::detail {
 
 /// Returns a place between two others, from 0 to 1.
-inline Combination blend(const Combination& a, const Combination& b, double t) {
+template <class Place>
+Combination blend(const Place& a, const Place& b, double t) {
   Combination out;
   if (t <= 0) {
     out = a;

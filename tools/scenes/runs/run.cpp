@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -64,12 +65,6 @@ std::map<std::uint64_t, const Frame*> frames_to_compare(std::span<const Frame> t
 bool all_finite(const Frame& frame) {
   return std::all_of(frame.positions.begin(), frame.positions.end(), is_finite) &&
          std::all_of(frame.velocities.begin(), frame.velocities.end(), is_finite);
-}
-
-/// Takes from a scene that is measured what its rods that broke hold.
-void leave_out_broken(const World& world, Scene& measured) {
-  for (std::uint32_t i = 0; i < measured.rods.size(); ++i)
-    if (world.is_broken(i)) measured.rods[i].law = {.stiffness = 0};
 }
 
 /// Returns the energy of a world, in J. What bends and rods hold is as `measured` says.
@@ -174,7 +169,6 @@ class Run {
         save_(frames_to_save(observer, plan, frames_)),
         compare_(frames_to_compare(truth, plan, frames_, scene.particles.size())),
         world_(scene, plan.settings),
-        measured_(scene),
         now_(make_frame(scene, plan.settings)),
         result_{.info = world_.info()} {
     require_lengths(scene, plan);
@@ -221,7 +215,7 @@ class Run {
       throw InputError(at + ", and the run ends at " + seconds(plan_.duration) +
                        ": ask for a longer --duration");
     set_measured_lengths(result_.start);
-    leave_out_broken(world_, measured_);
+    leave_out_broken();
     return *frame;
   }
 
@@ -231,11 +225,24 @@ class Run {
     result_.energy.range = energy_range(scene_);
   }
 
-  double energy() const { return energy_of(world_, measured_, now_, mass_model_of(plan_.settings)); }
+  double energy() const { return energy_of(world_, measured(), now_, mass_model_of(plan_.settings)); }
 
   void set_measured_lengths(double t) {
     for (const auto& [rod, rate] : plan_.rates)
-      measured_.rods[rod].length = rod_length(scene_, rod) + rate * t;
+      changed().rods[rod].length = rod_length(scene_, rod) + rate * t;
+  }
+
+  /// Takes from what is measured what rods that broke hold.
+  void leave_out_broken() {
+    for (std::uint32_t i = 0; i < scene_.rods.size(); ++i)
+      if (world_.is_broken(i)) changed().rods[i].law = {.stiffness = 0};
+  }
+
+  /// Returns the scene without what has broken, with lengths of now.
+  const Scene& measured() const { return changed_ ? *changed_ : scene_; }
+  Scene& changed() {
+    if (!changed_) changed_ = scene_;
+    return *changed_;
   }
 
   void time_stage(std::string_view stage, bool begins) {
@@ -262,7 +269,7 @@ class Run {
     if (plan_.step_budget_us && step.step_us > *plan_.step_budget_us) ++result_.late_frames;
     result_.longest_step_us = std::max(result_.longest_step_us, step.step_us);
     set_measured_lengths(end);
-    if (step.broken_rods > 0) leave_out_broken(world_, measured_);
+    if (step.broken_rods > 0) leave_out_broken();
     result_.total += step;
   }
 
@@ -284,7 +291,7 @@ class Run {
   }
 
   void measure() {
-    const Stretch stretch = measure_stretch(measured_, now_.positions);
+    const Stretch stretch = measure_stretch(measured(), now_.positions);
     squares_ += stretch.rms * stretch.rms;
     keep_worst(stretch, result_.stretch);
     result_.energy.final = energy();
@@ -302,7 +309,7 @@ class Run {
   double diagonal_ = bounding_diagonal(scene_);
   World world_;
   Clock::time_point stage_begin_{};
-  Scene measured_;  ///< It is the scene without what has broken, with lengths of now.
+  std::optional<Scene> changed_;  ///< What is measured, where it is no longer the scene itself.
   RunFrame now_;
   RunResult result_;
   double squares_ = 0;

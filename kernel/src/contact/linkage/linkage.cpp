@@ -170,7 +170,7 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
     add_filter(shape.filter);
     const auto number = static_cast<std::uint32_t>(shapes_.size() - 1);
     size_ = std::max({size_, 2 * capsule.radius, norm(shape.a.of(x) - shape.b.of(x))});
-    for (const Combination& end : {shape.a, shape.b}) {
+    for (const ShapePlace& end : {shape.a, shape.b}) {
       const Ball ball{end, capsule.radius, capsule.surface, number, capsule.filter};
       if (end.count > 1) {
         balls_.push_back(ball);
@@ -229,7 +229,7 @@ void Linkage::weigh(const Scene& part, Use use) {
 /// Ground holds a shape at any place between its ends.
 void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
   for (const Shape& shape : shapes_) {
-    const std::vector<std::uint32_t> movable = movable_of(std::array{shape.a, shape.b});
+    const std::vector<std::uint32_t> movable = movable_of(std::array<Combination, 2>{shape.a, shape.b});
     for (std::size_t i = 0; i < movable.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(3 * movable[i], 3 * movable[j]);
   }

@@ -28,7 +28,7 @@ namespace plumb::detail {
 class Linkage {
  public:
   struct Shape {
-    Combination a, b;
+    ShapePlace a, b;
     double radius;
     Surface surface;
     Filter filter{};
@@ -67,7 +67,7 @@ class Linkage {
   /// This is the end of a shape or a corner, which is what flat ground touches. Where several shapes end at
   /// one particle, the largest end counts.
   struct Ball {
-    Combination center;
+    ShapePlace center;
     double radius;
     Surface surface;
     std::uint32_t shape;  ///< to which what touches the ball counts

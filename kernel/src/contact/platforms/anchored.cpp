@@ -20,7 +20,7 @@ Anchored::Anchored(const Scene& scene) {
   for (const Capsule& capsule : scene.capsules) {
     if (!is_anchored(scene, capsule)) continue;
     const Linkage::Shape& shape = shapes_.emplace_back(maker.make(capsule));
-    for (const Combination& sum : {shape.a, shape.b})
+    for (const ShapePlace& sum : {shape.a, shape.b})
       for (std::uint32_t i = 0; i < sum.count; ++i) anchors_.push_back(sum.terms[i].particle);
     if (shape.turning == Linkage::Shape::Turning::body)
       anchors_.insert(anchors_.end(), shape.turners.begin(), shape.turners.end());

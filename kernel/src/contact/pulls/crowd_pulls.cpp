@@ -8,8 +8,9 @@ namespace plumb::detail {
 template <class T>
 void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                                       const Batch& batch, const Contact& contact, double h) const {
+  const Rare& rare = batch.rare_of(contact);
   const Vec3 across = 1 / h * contact.across;
-  const Vec3 along = (1 / h * contact.push + contact.kick) * contact.normal;
+  const Vec3 along = (1 / h * contact.push + rare.kick) * contact.normal;
   for (int side = 0; side < 2; ++side) {
     const std::uint32_t island = contact.island[side];
     if (island == none) continue;
@@ -18,9 +19,9 @@ void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, co
     pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * (along + across);
     if (side == 1 && island == contact.island[0]) continue;
     crowd.push_fixed(batch.terms_of(contact.terms), island, along, pulls);
-    crowd.push_fixed(batch.terms_of(contact.sliding), island, across, pulls);
-    if (contact.turning == none) continue;
-    const Turning& turning = batch.turnings[contact.turning];
+    crowd.push_fixed(batch.sliding_of(contact), island, across, pulls);
+    if (rare.turning == none) continue;
+    const Turning& turning = batch.turnings[rare.turning];
     for (std::uint32_t k = turning.first; k < turning.end; ++k) {
       const TurnTerm& term = batch.turn_terms[k];
       const Term whole{term.at, 1, 0};
@@ -51,10 +52,11 @@ void CrowdContacts<T>::count_touch(std::span<LinkageState* const> cluster, const
   const bool on_ground = contact.island[1] == none;
   const Vec3 place = on_ground ? surface(0) : 0.5 * (surface(0) + surface(1));
   const double sign = own == 0 ? 1 : -1;
-  const Vec3 impulse = (contact.push / h + contact.kick) * contact.normal + 1 / h * contact.across;
+  const Rare& rare = batch.rare_of(contact);
+  const Vec3 impulse = (contact.push / h + rare.kick) * contact.normal + 1 / h * contact.across;
   cluster[contact.island[own]]->pulls.touched.add(
       contact.shape[own], on_ground ? TouchedPair::ground : cluster[contact.island[other]]->number,
-      contact.shape[other], {sign * impulse, place, sign * contact.normal, contact.approach});
+      contact.shape[other], {sign * impulse, place, sign * contact.normal, rare.approach});
 }
 
 template void CrowdContacts<float>::count_impulses(std::span<LinkageState* const>, const Crowd<float>&,

@@ -24,6 +24,8 @@ struct LinkagePulls {
 
   /// Begins a step. The pulls of the one before are kept until then, also through sleep.
   void begin_step();
+  /// Returns whether somebody asks what pushes the island.
+  bool are_asked_for() const { return counts || touched.counts; }
 };
 
 template <class Archive>

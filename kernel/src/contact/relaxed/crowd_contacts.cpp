@@ -43,14 +43,15 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
   ends_.start(crowd);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     if (!(contact.push > 0)) return;
-    if (contact.sliding == contact.terms) {
+    const Rare& rare = batch.rare_of(contact);
+    if (!rare.slides_apart) {
       crowd.push(batch.terms_of(contact.terms), contact.push * contact.normal + contact.across);
     } else {
       crowd.push(batch.terms_of(contact.terms), contact.push * contact.normal);
-      crowd.push(batch.terms_of(contact.sliding), contact.across);
+      crowd.push(batch.terms_of(rare.sliding), contact.across);
     }
-    if (contact.turning != none) {
-      const Turning& turning = batch.turnings[contact.turning];
+    if (rare.turning != none) {
+      const Turning& turning = batch.turnings[rare.turning];
       turn(crowd, batch, turning, turning.push);
     }
   });
@@ -70,11 +71,12 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   for (Batch& batch : batches_) batch.clear();
   kept_.clear();
   if (!near_.are_all_plain()) kept_.gather(cluster);
+  const bool counts = is_counted(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
     const Share share{number % shares, shares};
     Batch& batch = batches_[number];
-    const Substep in{cluster, crowd, surroundings, ground, h, batch};
+    const Substep in{cluster, crowd, surroundings, ground, h, batch, counts};
     if (kind == 0) {
       touch_planes(in, share.of(near_.on_planes()));
     } else if (kind == 1) {
@@ -100,6 +102,13 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   } else {
     for (std::uint32_t number = 0; number < kinds; ++number) find(number);
   }
+}
+
+/// Returns whether somebody asks what pushes an island.
+template <class T>
+bool CrowdContacts<T>::is_counted(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return state->pulls.are_asked_for(); });
 }
 
 /// Wakes the sleepers that are about to be pushed. Returns whether there are any.
@@ -139,17 +148,19 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const double h = in.h;
   Batch& to = in.to;
   const std::array<Side, 2> sides{one, other};
-  Contact contact{.normal = touch.normal, .key = key};
+  Contact contact;
+  contact.normal = touch.normal;
+  contact.key = key;
+  Rare rare;
   add_ends(in, sides, contact);
   double arriving = dot(touch.normal, crowd.velocity(to.terms_of(contact.terms)));
   if (other.rate != nullptr) {
     const Vec3 place = crowd.origin() + crowd.position(one.at) - shape_of(in, one).radius * touch.normal;
-    contact.carried = other.rate->moved(place, touch.normal, h);
+    rare.carried = other.rate->moved(place, touch.normal, h);
     arriving -= dot(touch.normal, other.rate->at(place, touch.normal));
-    contact.carried_at_end =
-        dot(touch.normal, other.rate->later(h).at(place + contact.carried, touch.normal));
+    rare.carried_at_end = dot(touch.normal, other.rate->later(h).at(place + rare.carried, touch.normal));
   }
-  const Vec3 shift = crowd.moved(to.terms_of(contact.terms)) - contact.carried;
+  const Vec3 shift = crowd.moved(to.terms_of(contact.terms)) - rare.carried;
   const double closing = dot(touch.normal, shift);
   const bool comes = touch.gap + closing <= settings_.margin + 0.25 * norm(shift);
   const bool may_pass =
@@ -168,10 +179,14 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
   contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
-  contact.approach = approach_of(touch.gap, closing, arriving, h);
-  contact.bounce = bounce_of(restitution, settings_.bounce_speed, contact.approach);
-  add_sliding(in, sides, touch, contact);
-  add_turning(in, sides, contact);
+  rare.approach = approach_of(touch.gap, closing, arriving, h);
+  rare.bounce = bounce_of(restitution, settings_.bounce_speed, rare.approach);
+  add_sliding(in, sides, touch, rare);
+  add_turning(in, sides, contact, rare);
+  if (rare.slides_apart || rare.turning != none || other.rate != nullptr || rare.bounce > 0 || in.counts) {
+    contact.rare = static_cast<std::uint32_t>(to.rares.size());
+    to.rares.push_back(rare);
+  }
   if (comes) start_from_kept(in, contact);
   (comes ? to.contacts : to.left_out).push_back(contact);
 }
@@ -197,11 +212,10 @@ void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& si
 /// place, half way between their surfaces.
 template <class T>
 void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch,
-                                   Contact& contact) {
-  contact.sliding = contact.terms;
-  contact.over_sliding = contact.over;
+                                   Rare& rare) {
   if (!turns(in, sides[0]) && !turns(in, sides[1])) return;
-  contact.sliding.first = static_cast<std::uint32_t>(in.to.terms.size());
+  rare.slides_apart = true;
+  rare.sliding.first = static_cast<std::uint32_t>(in.to.terms.size());
   double moves = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const Side& side = sides[i];
@@ -218,13 +232,14 @@ void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>&
     for (std::uint32_t k = 0; k < 4; ++k) at.terms[at.count++] = {shape.turners[k], weights[k]};
     moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, in.to.terms);
   }
-  contact.sliding.end = static_cast<std::uint32_t>(in.to.terms.size());
-  contact.over_sliding = 1 / moves;
+  rare.sliding.end = static_cast<std::uint32_t>(in.to.terms.size());
+  rare.over_sliding = 1 / moves;
 }
 
 /// Adds what resists rolling and spinning, if a body turns and a surface does.
 template <class T>
-void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact) {
+void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>& sides,
+                                   const Contact& contact, Rare& rare) {
   const Surface &one = *sides[0].surface, &two = *sides[1].surface;
   const double rolling = std::max(one.rolling, two.rolling), spinning = std::max(one.spinning, two.spinning);
   if (!(rolling > 0 || spinning > 0) || (!turns(in, sides[0]) && !turns(in, sides[1]))) return;
@@ -251,7 +266,7 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
   }
   const double most = std::max(
       {xx + std::abs(xy) + std::abs(zx), yy + std::abs(xy) + std::abs(yz), zz + std::abs(yz) + std::abs(zx)});
-  contact.turning = static_cast<std::uint32_t>(in.to.turnings.size());
+  rare.turning = static_cast<std::uint32_t>(in.to.turnings.size());
   in.to.turnings.push_back({.first = first,
                             .end = static_cast<std::uint32_t>(in.to.turn_terms.size()),
                             .key = contact.key | turning_key,
@@ -269,15 +284,16 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const double h2 = in.h * in.h;
   // What is fast, or turns out to be missed, which one thread finds, may be the first that asks.
   if (!kept_.is_gathered()) kept_.gather(in.cluster);
-  const KeptContact held = kept_.at(state, island, contact.key);
-  if (held.key != contact.key) return;
-  const double along = dot(held.force, contact.normal);
+  const KeptContact* const held = kept_.find(state, island, contact.key, in.to.next_kept);
+  if (held == nullptr) return;
+  const double along = dot(held->force, contact.normal);
   contact.push = h2 * std::max(0.0, along);
-  if (along > 0) contact.across = h2 * (held.force - along * contact.normal);
-  if (contact.turning == none) return;
-  Turning& turning = in.to.turnings[contact.turning];
-  const KeptContact turned = kept_.at(state, island, turning.key);
-  if (turned.key == turning.key) turning.push = h2 * turned.force;
+  if (along > 0) contact.across = h2 * (held->force - along * contact.normal);
+  const std::uint32_t number = in.to.rare_of(contact).turning;
+  if (number == none) return;
+  Turning& turning = in.to.turnings[number];
+  const KeptContact* const turned = kept_.find(state, island, turning.key, in.to.next_kept);
+  if (turned != nullptr) turning.push = h2 * turned->force;
 }
 
 template <class T>
@@ -299,16 +315,18 @@ template <class T>
 void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h) {
   for (LinkageState* const state : cluster)
     if (!state->asleep) state->kept.clear();
+  const bool counts = is_counted(cluster);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     const Vec3 push = contact.push * contact.normal + contact.across;
     if (push == Vec3{}) return;
     if (LinkageState& state = *cluster[contact.island[0]]; !state.asleep) {
       state.kept.push_back({contact.key, 1 / (h * h) * push, {}});
-      if (contact.turning != none) {
-        const Turning& turning = batch.turnings[contact.turning];
+      if (const std::uint32_t number = batch.rare_of(contact).turning; number != none) {
+        const Turning& turning = batch.turnings[number];
         state.kept.push_back({turning.key, 1 / (h * h) * turning.push, {}});
       }
     }
+    if (!counts) return;
     count_impulses(cluster, crowd, batch, contact, h);
     count_touch(cluster, crowd, batch, contact, h);
   });

@@ -37,7 +37,11 @@ template <class T>
 class CrowdContacts {
  public:
   CrowdContacts(const ContactSettings& settings, const simd::Kernels<T>& kernels)
-      : settings_(settings), near_(settings), ends_(settings, kernels), vectors_(kernels) {}
+      : settings_(settings),
+        kernels_(&kernels),
+        near_(settings),
+        ends_(settings, kernels),
+        vectors_(kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
   /// (1/s) is the share of an overlap that is taken back.
@@ -137,25 +141,33 @@ class CrowdContacts {
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    // These are what every visit reads, side by side.
-    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
-    std::uint32_t turning = none;
-    bool in_vectors = false;
+    /// Sets what follows, and no zeros before that, as it would else be done for every contact.
+    Contact() {}  // NOLINT(modernize-use-equals-default)
+
+    TermRange terms{};  ///< of the middles of shapes
     Vec3 normal{};
-    double gap = 0;                     ///< m, what may be lost
-    double friction = 0;                ///< Coulomb's coefficient
-    double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
-    double push = 0;                    ///< kg m
-    Vec3 across{};                      ///< kg m, against sliding
-    Vec3 carried{};                     ///< m, how far the ground goes
-    // The others are read once in a substep.
-    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
-    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    double gap = 0;       ///< m, what may be lost
+    double friction = 0;  ///< Coulomb's coefficient
+    double over = 0;      ///< kg, what changes its places by a metre
+    double push = 0;      ///< kg m
+    Vec3 across{};        ///< kg m, against sliding
     std::uint64_t key = 0;
+    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
+    std::uint32_t rare = none;      ///< what few contacts have
+    bool in_vectors = false;
+  };
+  /// Few contacts have this: those that turn bodies, that are carried by ground or bounce, or are counted.
+  struct Rare {
+    bool slides_apart = false;  ///< friction holds other places
+    TermRange sliding{};        ///< these, if so
+    double over_sliding = 0;    ///< kg, what changes them by a metre
+    std::uint32_t turning = none;
+    Vec3 carried{};             ///< m, how far the ground goes
+    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
     double approach = 0;        ///< m/s, how fast it is about to be hit
     double bounce = 0;          ///< m/s, what it leaves the surface with
     double kick = 0;            ///< kg m/s, of a bounce
-    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
   };
   /// This is a particle of a body that turns at half the sum of all gradient x motion.
   struct TurnTerm {
@@ -178,21 +190,34 @@ class CrowdContacts {
     std::vector<Term> terms{};
     std::vector<Contact> contacts{};
     std::vector<Contact> left_out{};  ///< those that did not seem to come about
+    std::vector<Rare> rares{};
     std::vector<TurnTerm> turn_terms{};
     std::vector<Turning> turnings{};
     std::vector<std::uint32_t> woken{};  ///< islands
+    std::size_t next_kept = 0;           ///< where the next contact is likely to be kept
     bool is_struck = false;              ///< a capsule meets another one that it would pass
     void clear() {
       terms.clear();
       contacts.clear();
       left_out.clear();
+      rares.clear();
       turn_terms.clear();
       turnings.clear();
       woken.clear();
+      next_kept = 0;
       is_struck = false;
     }
     std::span<const Term> terms_of(TermRange range) const {
       return std::span(terms).subspan(range.first, range.end - range.first);
+    }
+    const Rare& rare_of(const Contact& contact) const {
+      static constexpr Rare nothing{};
+      return contact.rare == none ? nothing : rares[contact.rare];
+    }
+    /// Returns the places that friction holds.
+    std::span<const Term> sliding_of(const Contact& contact) const {
+      const Rare& rare = rare_of(contact);
+      return terms_of(rare.slides_apart ? rare.sliding : contact.terms);
     }
   };
   /// These do not change while contacts of a substep of h (s) are found. What is found goes to a batch.
@@ -203,6 +228,7 @@ class CrowdContacts {
     const GroundNow& ground;
     double h;
     Batch& to;
+    bool counts;  ///< somebody asks what touches
   };
   /// Says what of a list one of several threads works through.
   struct Share {
@@ -223,11 +249,19 @@ class CrowdContacts {
     std::array<std::uint32_t, 2> at;
     double least2;
   };
-  /// This is how the line of a body moves, from the crowd's origin, and how far its ends do at most (m).
-  struct PlacedLine {
-    MovingSegment way;
-    double moves;
+  /// This is how the line of a body moves, from the crowd's origin, in the order of simd::line_fields.
+  struct alignas(64) PlacedLine {
+    Vec3 p{};
+    double radius = 0;
+    Vec3 q{};
+    double moves = 0;  ///< m, how far its ends do at most
+    Vec3 p_by{};
+    double unused = 0;
+    Vec3 q_by{};
+    double unused_too = 0;
+    MovingSegment way() const { return {{p, q, radius}, p_by, q_by}; }
   };
+  static_assert(sizeof(PlacedLine) == simd::line_fields::count * sizeof(double));
 
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
     return in.cluster[side.island]->linkage->shape_of(side.shape);
@@ -250,9 +284,14 @@ class CrowdContacts {
   /// Returns the side of a contact on one of the shapes that ground has.
   static Side ground_side(const Substep& in, std::uint32_t ground);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);
+  void add_lines(const Substep& in, const Pair& pair, const simd::LineTouch& touch);
+  std::uint64_t key_of(const Substep& in, const Pair& pair, std::uint32_t which) const;
+  void touch_lines(const Substep& in, std::span<const simd::LinePair> pairs);
+  void touch_shapes(const Substep& in, const Pair& pair);
+  static bool is_counted(std::span<LinkageState* const> cluster);
   void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
-  void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
-  void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
+  void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Rare& rare);
+  void add_turning(const Substep& in, const std::array<Side, 2>& sides, const Contact& contact, Rare& rare);
   void start_from_kept(const Substep& in, Contact& contact);
   void touch_planes(const Substep& in, std::span<const Pair> pairs);
   void touch_boxes(const Substep& in, std::span<const Pair> pairs);
@@ -317,7 +356,7 @@ class CrowdContacts {
     bool is_none() const { return along + across == Vec3{}; }
   };
   Change visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
-  static double size_of(const Change& change, const Contact& contact);
+  static double size_of(const Change& change, const Batch& batch, const Contact& contact);
   void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
   void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
   void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
@@ -326,6 +365,7 @@ class CrowdContacts {
                    const Contact& contact, double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
+  const simd::Kernels<T>* kernels_;
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   CrowdEnds<T> ends_;

@@ -10,15 +10,6 @@ namespace plumb::detail {
 
 namespace fields = simd::end_fields;
 
-namespace {
-
-/// Returns whether somebody asks what pushes an island.
-bool is_counted(const LinkagePulls& pulls) {
-  return pulls.counts || pulls.touched.counts;
-}
-
-}  // namespace
-
 // --- Which ends there are
 
 template <class T>
@@ -148,7 +139,7 @@ void CrowdEnds<T>::add(std::span<LinkageState* const> cluster, const Crowd<T>& c
   sees_bounces_ = false;
   for (std::size_t lane = 0; lane < ends_.size() && !sees_bounces_; ++lane)
     sees_bounces_ = ends_[lane].island != none &&
-                    (restitution_[lane] > 0 || is_counted(cluster[ends_[lane].island]->pulls));
+                    (restitution_[lane] > 0 || cluster[ends_[lane].island]->pulls.are_asked_for());
   load_forces(cluster, first);
 }
 
@@ -156,14 +147,15 @@ void CrowdEnds<T>::add(std::span<LinkageState* const> cluster, const Crowd<T>& c
 template <class T>
 void CrowdEnds<T>::load_forces(std::span<LinkageState* const> cluster, std::size_t first) {
   kept_.gather(cluster);
+  std::size_t next = 0;
   for (std::size_t lane = first; lane < ends_.size(); ++lane) {
     const End& end = ends_[lane];
     if (end.island == none || cluster[end.island]->kept.empty()) continue;
-    const KeptContact held = kept_.at(*cluster[end.island], end.island, end.key);
-    if (held.key != end.key) continue;
-    field(lane, fields::force) = static_cast<T>(held.force.x);
-    field(lane, fields::force + 1) = static_cast<T>(held.force.y);
-    field(lane, fields::force + 2) = static_cast<T>(held.force.z);
+    const KeptContact* const held = kept_.find(*cluster[end.island], end.island, end.key, next);
+    if (held == nullptr) continue;
+    field(lane, fields::force) = static_cast<T>(held->force.x);
+    field(lane, fields::force + 1) = static_cast<T>(held->force.y);
+    field(lane, fields::force + 2) = static_cast<T>(held->force.z);
   }
 }
 
@@ -294,7 +286,7 @@ void CrowdEnds<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& c
   for (const Group& group : groups_)
     for (std::size_t lane = group.range.begin * lanes; lane < group.range.end * lanes; ++lane) {
       const End& end = ends_[lane];
-      if (!touches(lane) || !is_counted(cluster[end.island]->pulls)) continue;
+      if (!touches(lane) || !cluster[end.island]->pulls.are_asked_for()) continue;
       const Vec3 normal = vector(lane, fields::normal), across = vector(lane, fields::across);
       const double push = field(lane, fields::push);
       if (push * normal + across == Vec3{}) continue;

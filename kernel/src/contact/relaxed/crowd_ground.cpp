@@ -229,7 +229,7 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
   const std::size_t before = last.contacts.size();
   for (Batch& batch : batches_) {
     const auto comes = [&](const Contact& contact) {
-      const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - contact.carried;
+      const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - batch.rare_of(contact).carried;
       if (contact.gap + dot(contact.normal, moved) > -settings_.slop) return false;
       last.contacts.push_back(&batch == &last ? contact : copied(batch, contact, last));
       return true;
@@ -237,7 +237,7 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
     batch.left_out.erase(std::remove_if(batch.left_out.begin(), batch.left_out.end(), comes),
                          batch.left_out.end());
   }
-  const Substep in{cluster, crowd, surroundings, ground, h, last};
+  const Substep in{cluster, crowd, surroundings, ground, h, last, is_counted(cluster)};
   find_missed_pairs(in, team);
   if (!surroundings.tree.is_empty()) {
     find_missed_bodies(in);
@@ -259,15 +259,18 @@ auto CrowdContacts<T>::copied(const Batch& from, const Contact& contact, Batch& 
   };
   out.terms = copy(contact.terms);
   out.other_terms = out.terms.first + (contact.other_terms - contact.terms.first);
-  out.sliding = contact.sliding == contact.terms ? out.terms : copy(contact.sliding);
-  if (contact.turning == none) return out;
-  Turning turning = from.turnings[contact.turning];
+  if (contact.rare == none) return out;
+  out.rare = static_cast<std::uint32_t>(to.rares.size());
+  Rare& rare = to.rares.emplace_back(from.rare_of(contact));
+  if (rare.slides_apart) rare.sliding = copy(rare.sliding);
+  if (rare.turning == none) return out;
+  Turning turning = from.turnings[rare.turning];
   const auto first = static_cast<std::uint32_t>(to.turn_terms.size());
   to.turn_terms.insert(to.turn_terms.end(), from.turn_terms.begin() + turning.first,
                        from.turn_terms.begin() + turning.end);
   turning.first = first;
   turning.end = static_cast<std::uint32_t>(to.turn_terms.size());
-  out.turning = static_cast<std::uint32_t>(to.turnings.size());
+  rare.turning = static_cast<std::uint32_t>(to.turnings.size());
   to.turnings.push_back(turning);
   return out;
 }

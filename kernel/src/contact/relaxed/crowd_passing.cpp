@@ -77,16 +77,17 @@ void CrowdContacts<T>::place_lines(const Crowd<T>& crowd, Team* team) {
          ++i) {
       const Body& body = near_.bodies()[i];
       PlacedLine& line = placed_lines_[i];
+      line.radius = body.shape->radius;
       if (body.is_plain()) {
         const auto [p, q] = body.at;
-        line.way = {
-            {crowd.position(p), crowd.position(q), body.shape->radius}, crowd.moved(p), crowd.moved(q)};
+        line.p = crowd.position(p), line.q = crowd.position(q);
+        line.p_by = crowd.moved(p), line.q_by = crowd.moved(q);
       } else {
         const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
-        line.way = {
-            {crowd.position(a), crowd.position(b), body.shape->radius}, crowd.moved(a), crowd.moved(b)};
+        line.p = crowd.position(a), line.q = crowd.position(b);
+        line.p_by = crowd.moved(a), line.q_by = crowd.moved(b);
       }
-      line.moves = moves_of(line.way);
+      line.moves = moves_of(line.way());
       any_fast = any_fast || pair_search().is_fast(line.moves, body.shape->radius);
     }
     part_is_fast_[part] = any_fast ? 1 : 0;
@@ -103,8 +104,7 @@ template <class T>
 void CrowdContacts<T>::place_ways(const Crowd<T>& crowd) {
   ways_.clear();
   for (const PlacedLine& each : placed_lines_)
-    ways_.push_back(pair_search().may_be_fast(each.moves, each.way.at.radius) ? bounds_of(each.way)
-                                                                              : nowhere);
+    ways_.push_back(pair_search().may_be_fast(each.moves, each.radius) ? bounds_of(each.way()) : nowhere);
   for (std::uint32_t k = 0; k < near_.hulls().size(); ++k) {
     const Bounds way = bounds_of(hull_motion(crowd, k).hull);
     ways_.push_back({way.low - crowd.origin(), way.high - crowd.origin()});
@@ -117,57 +117,12 @@ bool CrowdContacts<T>::outrun_hulls(const Crowd<T>& crowd) {
   const auto lines = static_cast<std::uint32_t>(placed_lines_.size());
   return std::any_of(near_.hull_pairs().begin(), near_.hull_pairs().end(), [&](const Pair& pair) {
     if (pair.one >= lines || !ways_[pair.one].overlaps(ways_[pair.other])) return false;
-    const MovingSegment& line = placed_lines_[pair.one].way;
+    const MovingSegment line = placed_lines_[pair.one].way();
     const MovingHullShape hull = hull_motion(crowd, pair.other - lines);
     double most = 0;
     for (const Vec3 by : hull.hull.by) most = std::max({most, norm(by - line.p_by), norm(by - line.q_by)});
     return most > settings_.margin + farthest * (hull.shape.half_width + line.at.radius);
   });
-}
-
-template <class T>
-bool CrowdContacts<T>::is_fast(const Pair& pair) const {
-  const PlacedLine &a = placed_lines_[pair.one], &b = placed_lines_[pair.other];
-  const double radii = a.way.at.radius + b.way.at.radius;
-  // The first takes no roots, and most are not fast.
-  return pair_search().is_fast(a.moves + b.moves, radii) &&
-         pair_search().is_fast(moves_between(a.way, b.way), radii);
-}
-
-template <class T>
-void CrowdContacts<T>::touch_pair(const Substep& in, const Pair& pair, const Touch& touch,
-                                  std::uint64_t key) {
-  const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
-  const Middle<T> at_a = middle_of(in, a, touch.a), at_b = middle_of(in, b, touch.b);
-  add(in, side_of(a, at_a), side_of(b, at_b), touch, key);
-}
-
-template <class T>
-void CrowdContacts<T>::touch_pairs(const Substep& in, std::span<const Pair> pairs) {
-  constexpr std::uint32_t first = 3;  // the number after those of touches()
-  const PairSearch search = pair_search();
-  for (const Pair& pair : pairs) {
-    const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
-    if (!in.crowd.is_moving(a.island) && !in.crowd.is_moving(b.island)) continue;
-    const PlacedLine &line_a = placed_lines_[pair.one], &line_b = placed_lines_[pair.other];
-    // What is farther apart does not come about in the substep, see add(), nor does it meet in passing, since
-    // it moves by less. Rounding is far below the share.
-    const double comes = settings_.margin + 1.26 * (line_a.moves + line_b.moves);
-    if (are_apart(line_a.way.at, line_b.way.at, comes)) continue;
-    const auto key = [&](std::uint32_t n) {
-      return contact_key(KeyKind::island, 4 * a.number + n, in.cluster[b.island]->number, b.number);
-    };
-    const bool fast = is_fast(pair);
-    const double reach = fast ? search.reach(line_a.way.at.radius + line_b.way.at.radius) : comes;
-    const Touches near = touches(line_a.way.at, line_b.way.at, reach);
-    for (std::uint32_t n = 0; n < near.count; ++n)
-      if (near.at[n].gap <= reach) touch_pair(in, pair, near.at[n], key(n));
-    if (!fast) continue;
-    if (const auto plane = search.first_touch(line_a.way, line_b.way)) {
-      touch_pair(in, pair, *plane, key(first));
-      in.to.is_struck = true;
-    }
-  }
 }
 
 /// Adds contacts between shapes that pass through each other, since others pushed them.
@@ -180,7 +135,7 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
   near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
   for (const Pair& pair : near_.pairs()) {
     if (!is_fast(pair)) continue;
-    const auto plane = pair_search().passed(placed_lines_[pair.one].way, placed_lines_[pair.other].way);
+    const auto plane = pair_search().passed(placed_lines_[pair.one].way(), placed_lines_[pair.other].way());
     if (!plane) continue;
     in.to.is_struck = true;
     const std::uint32_t other = near_.bodies()[pair.other].island;
@@ -198,8 +153,6 @@ template void CrowdContacts<float>::list_lines_near(const Crowd<float>&, const B
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
 template void CrowdContacts<double>::list_lines_near(const Crowd<double>&, const Bounds&);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
-template void CrowdContacts<float>::touch_pairs(const Substep&, std::span<const Pair>);
-template void CrowdContacts<double>::touch_pairs(const Substep&, std::span<const Pair>);
 template void CrowdContacts<float>::find_missed_pairs(const Substep&, Team*);
 template void CrowdContacts<double>::find_missed_pairs(const Substep&, Team*);
 

@@ -29,15 +29,21 @@ class KeptTable {
   void clear() { slots_.clear(); }
   bool is_gathered() const { return !slots_.empty(); }
 
-  /// Returns the forces that held a contact of an island of the cluster. Nothing held it if the result has
-  /// another key.
-  KeptContact at(const LinkageState& state, std::uint32_t island, std::uint64_t key) const {
+  /// Returns what held a contact of an island of the cluster, or null. Contacts are found in about the order
+  /// in which they were kept, so that the search looks at number `next` of the island first, and leaves there
+  /// the one that follows.
+  const KeptContact* find(const LinkageState& state, std::uint32_t island, std::uint64_t key,
+                          std::size_t& next) const {
     const KeptContact* const own = state.kept.data();
+    if (next < state.kept.size() && own[next].key == key) return &own[next++];
     for (std::size_t slot = first_slot(island, key); slots_[slot] != nullptr;
-         slot = (slot + 1) & (slots_.size() - 1))
-      if (slots_[slot]->key == key && slots_[slot] >= own && slots_[slot] < own + state.kept.size())
-        return *slots_[slot];
-    return {};
+         slot = (slot + 1) & (slots_.size() - 1)) {
+      const KeptContact* const each = slots_[slot];
+      if (each->key != key || each < own || each >= own + state.kept.size()) continue;
+      next = static_cast<std::size_t>(each - own) + 1;
+      return each;
+    }
+    return nullptr;
   }
 
  private:

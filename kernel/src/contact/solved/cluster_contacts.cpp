@@ -149,7 +149,7 @@ void ClusterStepper::find_sights(Island& island) const {
   island.sight = nowhere;
   for (const Linkage::Shape& shape : island.state->linkage->shapes()) {
     Bounds& bounds = island.sights.emplace_back(nowhere);
-    for (const Combination* const end : {&shape.a, &shape.b})
+    for (const ShapePlace* const end : {&shape.a, &shape.b})
       include(bounds, end->of(island.state->x), shape.radius + share);
     include(island.sight, bounds.low, 0);
     include(island.sight, bounds.high, 0);
@@ -295,7 +295,7 @@ void ClusterStepper::touch_itself(std::uint32_t i, double h) {
   own_bounds_.clear();
   for (const Linkage::Shape& shape : shapes) {
     Bounds& bounds = own_bounds_.emplace_back(nowhere);
-    for (const Combination* const end : {&shape.a, &shape.b}) {
+    for (const ShapePlace* const end : {&shape.a, &shape.b}) {
       const Vec3 at = end->of(island.state->x);
       include(bounds, at, shape.radius + settings_.margin);
       include(bounds, at + 1.25 * end->of(island.d), shape.radius + settings_.margin);

@@ -54,7 +54,8 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
     state.grabs.changed.reserve(room);
     state.grabs.all.reserve(all.size());
   };
-  for (auto& crew : kind_->crews) make_room(crew.alone);
+  for (auto& crew : kind_->crews)
+    if (crew.alone) make_room(*crew.alone);
   if (line_) make_room(line_->whole);
   for (auto& saved : saved_)
     if (saved) make_room(*saved);

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "direct/laws/pulls_ahead.hpp"
-#include "direct/loops/settle.hpp"
 #include "interface/changes.hpp"
 #include "time/accuracy.hpp"
 #include "time/verlet.hpp"
@@ -51,6 +50,7 @@ void TreeSolver<T>::finish_layout() {
         std::make_unique<Line>(Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
     state_ = std::move(cut);
   }
+  if (!line_) kind_->make_alone();
   ties_begin_ = state_.topology->nodes * state_.lanes;
   velocity_ = layouts::AlignedBuffer<T>(state_.u.size());
   if (!kind_->rules.controlled) return;
@@ -75,42 +75,6 @@ auto TreeSolver<T>::place_of(Slot slot) const -> Entry {
   return {at / state_.lanes, at % state_.lanes};
 }
 
-// --- Starts
-
-template <class T>
-std::uint32_t TreeSolver<T>::project_positions() {
-  const TreeStepper<T> stepper(Gradient::new_, 0, false, kind_->rules.isa);
-  TreeState<T>& state = line_ ? line_->whole : state_;
-  TreeState<T> before(state.topology, state.lanes);
-  before.copy_motion(state);
-  auto& crew = kind_->crews[0];
-  Tally tried;
-  stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, tried);
-  if (tried.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
-  state.copy_motion(before);  // all but x goes back
-  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : crew.elastic.settle(state, crew.alone);
-  if (line_) line_->segments.scatter(state, state_);
-  return unsettled;
-}
-
-template <class T>
-void TreeSolver<T>::set_velocity(Slot slot, Vec3 velocity) {
-  const Entry place = place_of(slot);
-  const double v[3] = {velocity.x, velocity.y, velocity.z};
-  for (std::uint32_t c = 0; c < 3; ++c)
-    state_.u[state_.at(3 * place.node + c, place.lane)] = static_cast<T>(v[c]);
-}
-
-template <class T>
-void TreeSolver<T>::project_velocities() {
-  TreeWorkspace<T>& work = kind_->crews[0].work;
-  velocities_known_ = false;
-  if (!line_) return kind_->stepper.project_velocities(state_, work);
-  line_->segments.gather(state_, line_->whole);
-  kind_->stepper.project_velocities(line_->whole, work);
-  line_->segments.scatter(line_->whole, state_);
-}
-
 // --- Steps
 
 template <class T>
@@ -127,7 +91,7 @@ double TreeSolver<T>::advance_one(double h, unsigned part, Tally& report) {
   auto& crew = kind_->crews[part];
   if (line_)
     return kind_->stepper.advance(line_->segments, state_, h,
-                                  {line_->work, line_->whole, crew.alone_work, &crew.elastic}, report);
+                                  {line_->work, line_->whole, crew.work, &crew.elastic}, report);
   const TreeStepper<T>& stepper = is_calm_ ? *kind_->calm_stepper : kind_->stepper;
   return stepper.advance(state_, h, crew.view(), report);
 }

@@ -308,11 +308,11 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     error = std::numeric_limits<double>::infinity();
     --counters.direct_substeps;
     restore_multipliers(state, lane);
-    const std::uint64_t before = counters.newton;
+    const std::uint64_t before = counters.newton - work.iterations[lane];  // rescue may work there, too
     const Rescue rescued = rescue(h, crew, counters, [&] { crew.alone.copy_lane(0, state, lane); });
     if (rescued != Rescue::none) state.copy_lane(lane, crew.alone, 0);
     if (rescued != Rescue::halves) state.frequency2 = 0;  // it was made of multipliers that solve nothing
-    state.effort[lane].took(work.iterations[lane] + counters.newton - before);
+    state.effort[lane].took(counters.newton - before);
   }
   return error;
 }

@@ -22,8 +22,8 @@ class ElasticTree;
 template <class T>
 struct TreeCrew {
   TreeWorkspace<T>& work;
-  TreeState<T>& alone;  ///< It is one tree, for substeps that are halved.
-  TreeWorkspace<T>& alone_work;
+  TreeState<T>& alone;           ///< It is one tree, for substeps that are halved.
+  TreeWorkspace<T>& alone_work;  ///< It is `work` if that is of one tree.
   /// Takes what no halving solves. Without it such trees stay where they are.
   ElasticTree<T>* elastic = nullptr;
 };

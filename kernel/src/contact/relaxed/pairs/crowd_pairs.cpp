@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/relaxed/pairs/ways.hpp"
@@ -320,8 +321,10 @@ void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
   for (const Bounds& each : bounds_)
     sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
   hash_.start(sum / static_cast<double>(bounds_.size()), 4 * bounds_.size());
+  seen_.assign(bounds_.size(), none);
   for (std::uint32_t i = 0; i < bounds_.size(); ++i)
     hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
+      if (std::exchange(seen_[j], i) == i) return;  // in another cell
       if (may_meet(cluster, i, j)) (i < lines ? pairs_ : hull_pairs_).push_back({j, i});
     });
   const auto count = static_cast<std::uint32_t>(bounds_.size());

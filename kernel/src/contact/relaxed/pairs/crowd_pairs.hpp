@@ -35,6 +35,8 @@ class CrowdPairs {
     double radius;                    ///< m
     bool turns;                       ///< a solid with what touches it
     bool is_plain() const { return at[0] != none && at[1] != none; }
+    /// Returns whether it is a line between two particles that turns with nothing.
+    bool is_line() const { return is_plain() && at[0] != at[1] && !turns; }
   };
   struct Ball {
     std::uint32_t island, number;
@@ -200,6 +202,7 @@ class CrowdPairs {
   double least_radius_ = 0, largest_radius_ = 0, most_weight_ = 1;
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_
+  std::vector<std::uint32_t> seen_;      ///< by number in bounds_, for whom it was looked at last
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
   double margin_;                        ///< m, nearer than which shapes may touch
   double slop_;                          ///< m

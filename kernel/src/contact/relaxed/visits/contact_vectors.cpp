@@ -41,19 +41,20 @@ void ContactVectors<T>::begin(const Crowd<T>& crowd) {
 
 template <class T>
 bool ContactVectors<T>::color(const Crowd<T>& crowd, std::span<const Term> terms) {
+  std::array<std::uint64_t*, most_terms> masks;
   std::uint64_t taken = 0;
   std::uint32_t count = 0;
   for (std::size_t k = 0; k < terms.size(); ++k) {
     if (terms[k].move == 0) continue;
-    ++count;
+    if (count == most_terms) return false;
     for (std::size_t other = 0; other < k; ++other)
       if (terms[other].at == terms[k].at) return false;
-    taken |= taken_[crowd.places().particle_at(terms[k].at)];
+    masks[count] = &taken_[crowd.places().particle_at(terms[k].at)];
+    taken |= *masks[count++];
   }
-  if (count == 0 || count > most_terms || taken == ~std::uint64_t{0}) return false;
+  if (count == 0 || taken == ~std::uint64_t{0}) return false;
   const int color = std::countr_one(taken);
-  for (const Term& term : terms)
-    if (term.move != 0) taken_[crowd.places().particle_at(term.at)] |= std::uint64_t{1} << color;
+  for (std::uint32_t k = 0; k < count; ++k) *masks[k] |= std::uint64_t{1} << color;
   const auto number = static_cast<std::uint8_t>(classes * color + (count > 2));
   color_.push_back(number);
   ++next_[number];
@@ -73,21 +74,31 @@ void ContactVectors<T>::reserve(const Crowd<T>& crowd) {
   }
   const std::size_t size = std::size_t{vectors} * lanes;
   if (fields_.size() < size * fields::count) {
-    const std::size_t room = size + size / 2;  // as contacts come one after the other
+    const std::size_t room = size + size / 4;  // as contacts come one after the other
     fields_ = layouts::AlignedBuffer<T>(room * fields::count);
     at_.reserve(room * most_terms);
     pushes_.reserve(room);
   }
-  std::fill_n(fields_.data(), size * fields::count, T(0));
-  at_.assign(size * most_terms, crowd.places().numbers());
-  pushes_.assign(size, {});
+  at_.resize(size * most_terms);
+  pushes_.resize(size);
+  // Lanes that get no contact are in the last vectors of ranges. The others are written as a whole.
+  for (const simd::ContactRange& range : ranges_) clear(crowd, range.end - 1);
+}
+
+/// Leaves a vector without contacts.
+template <class T>
+void ContactVectors<T>::clear(const Crowd<T>& crowd, std::size_t vector) {
+  std::fill_n(&fields_[vector * fields::count * lanes], fields::count * lanes, T(0));
+  std::fill_n(&at_[vector * most_terms * lanes], most_terms * lanes, crowd.places().numbers());
+  std::fill_n(&pushes_[vector * lanes], lanes, Pushes{});
 }
 
 template <class T>
-void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
+void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact, Pushes pushes) {
   const std::uint8_t color = color_[put_++];
   const std::size_t lane = next_[color]++;
-  const auto set = [&](std::uint32_t number, double value) { field(lane, number) = static_cast<T>(value); };
+  T* const own = &field(lane, 0);
+  const auto set = [&](std::uint32_t number, double value) { own[number * lanes] = static_cast<T>(value); };
   const auto set3 = [&](std::uint32_t first, Vec3 value) {
     set(first, value.x);
     set(first + 1, value.y);
@@ -95,8 +106,8 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   };
   set3(fields::normal, contact.normal);
   set(fields::gap, contact.gap);
-  set(fields::push, *contact.push);
-  set3(fields::across, *contact.across);
+  set(fields::push, *pushes.push);
+  set3(fields::across, *pushes.across);
   set(fields::over, contact.over);
   set(fields::moves, 1 / contact.over);
   set(fields::friction, contact.friction);
@@ -105,9 +116,8 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   const std::uint32_t room = color % classes == 0 ? 2 : most_terms;
   std::uint32_t k = room;
   Vec3 carried = contact.carried;
-  const auto place = [&](std::uint32_t term) -> std::uint32_t& {
-    return at_[(lane / lanes * most_terms + term) * lanes + lane % lanes];
-  };
+  std::uint32_t* const places = &at_[lane / lanes * most_terms * lanes + lane % lanes];
+  const auto place = [&](std::uint32_t term) -> std::uint32_t& { return places[term * lanes]; };
   for (const Term& term : contact.terms) {
     if (term.move == 0) {  // goes where it goes, whatever pushes it
       carried -= term.weight * crowd.moved(term.at);
@@ -118,9 +128,13 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
     set(fields::weight + k, term.weight);
     set(fields::move + k, term.move);
   }
-  while (k > 0) place(--k) = place(room - 1);
+  while (k > 0) {
+    place(--k) = place(room - 1);
+    set(fields::weight + k, 0);
+    set(fields::move + k, 0);
+  }
   set3(fields::carried, carried);
-  pushes_[lane] = {contact.push, contact.across};
+  pushes_[lane] = pushes;
 }
 
 template <class T>

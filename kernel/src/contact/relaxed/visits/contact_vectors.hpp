@@ -18,15 +18,18 @@ template <class T>
 class ContactVectors {
  public:
   using Term = typename Crowd<T>::Term;
-  /// What a visit reads of a contact, and which pushes it changes.
+  /// Names the pushes that a visit changes.
+  struct Pushes {
+    double* push = nullptr;  ///< kg m, along the normal
+    Vec3* across = nullptr;  ///< kg m, against sliding
+  };
+  /// What a visit reads of a contact.
   struct Visited {
     std::span<const Term> terms;  ///< of its places
     Vec3 normal{}, carried{};     ///< carried: m, how far moving ground goes
     double gap = 0;               ///< m, what may be lost along the normal
     double over = 0;              ///< kg, what moves its places by a metre
     double friction = 0;          ///< Coulomb's coefficient
-    double* push = nullptr;       ///< kg m, along the normal
-    Vec3* across = nullptr;       ///< kg m, against sliding
   };
 
   explicit ContactVectors(const simd::Kernels<T>& kernels) : all_kernels_(&kernels) {}
@@ -38,7 +41,7 @@ class ContactVectors {
   void begin(const Crowd<T>& crowd);
   bool color(const Crowd<T>& crowd, std::span<const Term> terms);
   void reserve(const Crowd<T>& crowd);
-  void put(const Crowd<T>& crowd, const Visited& contact);
+  void put(const Crowd<T>& crowd, const Visited& contact, Pushes pushes);
   /// @}
   /// Writes pushes to where contacts keep them. Their places must not have changed since put().
   void write_back();
@@ -52,11 +55,6 @@ class ContactVectors {
   static constexpr std::uint32_t lanes = simd::logical_width<T>,
                                  most_terms = simd::contact_fields::most_terms;
   static constexpr std::uint32_t colors = 64, classes = 2;  // by terms: at most two, or four
-  /// Names the pushes of a lane.
-  struct Pushes {
-    double* push = nullptr;
-    Vec3* across = nullptr;
-  };
 
   const simd::ContactKernels<T>& kernels(const Crowd<T>& crowd) const {
     const bool in_rows = crowd.places().access() == layouts::Access::rows;
@@ -65,6 +63,7 @@ class ContactVectors {
   simd::ContactView<T> view(Crowd<T>& crowd) {
     return {crowd.displacements(), fields_.data(), at_.data(), crowd.places().component_stride()};
   }
+  void clear(const Crowd<T>& crowd, std::size_t vector);
   T& field(std::size_t lane, std::size_t field) {
     return fields_[(lane / lanes * simd::contact_fields::count + field) * lanes + lane % lanes];
   }

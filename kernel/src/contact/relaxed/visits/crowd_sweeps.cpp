@@ -18,15 +18,18 @@ void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
   for (std::uint32_t b = 0; b < batches_.size(); ++b)
     for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k) {
       Contact& contact = batches_[b].contacts[k];
-      const bool is_plain = contact.sliding == contact.terms && contact.turning == none;
+      const Rare& rare = batches_[b].rare_of(contact);
+      const bool is_plain = !rare.slides_apart && rare.turning == none;
       contact.in_vectors = is_plain && vectors_.color(crowd, batches_[b].terms_of(contact.terms));
       if (!contact.in_vectors) alone_.push_back({b, k});
     }
   vectors_.reserve(crowd);
   for_contacts([&](Batch& batch, Contact& contact) {
     if (contact.in_vectors)
-      vectors_.put(crowd, {batch.terms_of(contact.terms), contact.normal, contact.carried, contact.gap,
-                           contact.over, contact.friction, &contact.push, &contact.across});
+      vectors_.put(crowd,
+                   {batch.terms_of(contact.terms), contact.normal, batch.rare_of(contact).carried,
+                    contact.gap, contact.over, contact.friction},
+                   {&contact.push, &contact.across});
   });
 }
 
@@ -62,19 +65,22 @@ void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
 
 template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
-  const double before = std::max(ends_.measured_sweep(crowd), vectors_.measured_sweep(crowd, team));
+  // One after the other: compilers differ in which argument of a call they evaluate first.
+  const double of_ends = ends_.measured_sweep(crowd);
+  const double before = std::max(of_ends, vectors_.measured_sweep(crowd, team));
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
     const Change change = visit(crowd, batch, contact);
-    if (!change.is_none()) most = std::max(most, size_of(change, contact));
+    if (!change.is_none()) most = std::max(most, size_of(change, batch, contact));
   });
   return std::max(before, *std::max_element(changes_.begin(), changes_.end()));
 }
 
 /// Returns how far (m) a change moves places.
 template <class T>
-double CrowdContacts<T>::size_of(const Change& change, const Contact& contact) {
-  if (contact.sliding == contact.terms) return norm(change.along + change.across) / contact.over;
-  return std::max(norm(change.along) / contact.over, norm(change.across) / contact.over_sliding);
+double CrowdContacts<T>::size_of(const Change& change, const Batch& batch, const Contact& contact) {
+  const Rare& rare = batch.rare_of(contact);
+  if (!rare.slides_apart) return norm(change.along + change.across) / contact.over;
+  return std::max(norm(change.along) / contact.over, norm(change.across) / rare.over_sliding);
 }
 
 /// Sorts contacts that are not in vectors by heaps. Those of a heap stay in their order, so that the bits are
@@ -118,14 +124,15 @@ std::uint32_t CrowdContacts<T>::heap_of(std::uint32_t island) {
 /// Sets the pushes of a contact to what its places ask for. Returns what changes.
 template <class T>
 auto CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) -> Change {
-  const std::span<const Term> terms = batch.terms_of(contact.terms),
-                              sliding = batch.terms_of(contact.sliding);
-  const bool is_one = contact.sliding == contact.terms;
-  const Vec3 moved = crowd.moved(terms) - contact.carried;
+  const std::span<const Term> terms = batch.terms_of(contact.terms), sliding = batch.sliding_of(contact);
+  const Rare& rare = batch.rare_of(contact);
+  const bool is_one = !rare.slides_apart;
+  const Vec3 moved = crowd.moved(terms) - rare.carried;
   const double along = dot(contact.normal, moved);
   const double push = std::max(0.0, contact.push - contact.over * (contact.gap + along));
-  const Vec3 slid = is_one ? moved : crowd.moved(sliding) - contact.carried;
-  Vec3 across = contact.across - contact.over_sliding * (slid - dot(contact.normal, slid) * contact.normal);
+  const Vec3 slid = is_one ? moved : crowd.moved(sliding) - rare.carried;
+  const double over_sliding = is_one ? contact.over : rare.over_sliding;
+  Vec3 across = contact.across - over_sliding * (slid - dot(contact.normal, slid) * contact.normal);
   // What the normal push turned by since it was kept would pull along the normal.
   across = across - dot(across, contact.normal) * contact.normal;
   const double bound = contact.friction * push, square = dot(across, across);
@@ -133,7 +140,7 @@ auto CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) ->
   const Change by{(push - contact.push) * contact.normal, across - contact.across};
   contact.push = push;
   contact.across = across;
-  if (contact.turning != none) resist(crowd, batch, contact);
+  if (rare.turning != none) resist(crowd, batch, contact);
   if (by.is_none()) return by;
   if (is_one) {
     crowd.push(terms, by.along + by.across);
@@ -156,7 +163,7 @@ void CrowdContacts<T>::turn(Crowd<T>& crowd, const Batch& batch, const Turning& 
 /// Sets the torque that resists turning, within what the normal push allows.
 template <class T>
 void CrowdContacts<T>::resist(Crowd<T>& crowd, Batch& batch, const Contact& contact) {
-  Turning& turning = batch.turnings[contact.turning];
+  Turning& turning = batch.turnings[batch.rare_of(contact).turning];
   Vec3 turned = -1.0 * turning.carried;
   for (std::uint32_t k = turning.first; k < turning.end; ++k)
     turned += 0.5 * cross(batch.turn_terms[k].gradient, crowd.moved(batch.turn_terms[k].at));
@@ -175,7 +182,7 @@ template <class T>
 double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
   double most = ends_.depth(crowd);
   for_contacts([&](const Batch& batch, const Contact& contact) {
-    const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - contact.carried;
+    const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - batch.rare_of(contact).carried;
     most = std::max(most, -contact.gap - dot(contact.normal, moved));
   });
   return most;
@@ -184,18 +191,24 @@ double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
 template <class T>
 bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
   constexpr int sweeps = 4;
-  const auto bounces = [](const Contact& contact) { return contact.bounce > 0 && contact.push > 0; };
+  const auto for_bounces = [&](auto&& f) {
+    for (Batch& batch : batches_) {
+      if (batch.rares.empty()) continue;
+      for (const Contact& contact : batch.contacts)
+        if (batch.rare_of(contact).bounce > 0 && contact.push > 0)
+          f(batch, contact, batch.rares[contact.rare]);
+    }
+  };
   bool any = ends_.any_bounces();
-  for_contacts([&](const Batch&, const Contact& contact) { any = any || bounces(contact); });
+  for_bounces([&](const Batch&, const Contact&, const Rare&) { any = true; });
   for (int i = 0; any && i < sweeps; ++i) {
     ends_.bounce(crowd);
-    for_contacts([&](const Batch& batch, Contact& contact) {
-      if (!bounces(contact)) return;
+    for_bounces([&](const Batch& batch, const Contact& contact, Rare& rare) {
       const std::span<const Term> terms = batch.terms_of(contact.terms);
-      const double leaves = dot(contact.normal, crowd.velocity(terms)) - contact.carried_at_end;
-      const double kick = std::max(0.0, contact.kick + contact.over * (contact.bounce - leaves));
-      crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
-      contact.kick = kick;
+      const double leaves = dot(contact.normal, crowd.velocity(terms)) - rare.carried_at_end;
+      const double kick = std::max(0.0, rare.kick + contact.over * (rare.bounce - leaves));
+      crowd.push_velocity(terms, (kick - rare.kick) * contact.normal);
+      rare.kick = kick;
     });
   }
   return any;
