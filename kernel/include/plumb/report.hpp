@@ -16,8 +16,8 @@
 /// what is added, and of how bodies move.
 namespace plumb {
 
-/// Names a Particle, a Rod or the like of a World for good, where numbers are given anew once what had them is removed.
-/// It is a value, and one without members set names nothing.
+/// Names a Particle, a Rod or the like of a World for good, where numbers are given anew once what had them
+/// is removed. It is a value, and one without members set names nothing.
 template <class Item>
 struct Handle {
   std::uint32_t number = 0;      ///< Its number in the world.

@@ -1,4 +1,4 @@
-#include "contact/relaxed/crowd_blows.hpp"
+#include "contact/relaxed/blows/crowd_blows.hpp"
 
 #include <algorithm>
 #include <cmath>
