@@ -10,8 +10,8 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/colored_rods.hpp"
-#include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/blows/crowd_blows.hpp"
+#include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/crowd_joints.hpp"

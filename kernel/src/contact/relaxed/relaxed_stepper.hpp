@@ -2,8 +2,8 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/platforms/ground_now.hpp"
-#include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/blows/crowd_blows.hpp"
+#include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
 #include "plumb/layouts/packing.hpp"
