@@ -449,12 +449,12 @@ TEST(Adding, RefusesWithAReason) {
   });
   refuses("reel 0: cannot be added", [](Scene& s) { s.reels = {{.particles = {0, 1, 2}}}; });
   refuses("plane 0: cannot be added", [](Scene& s) { s.planes.push_back({}); });
-  refuses("particle 0: its island has shapes, bodies, joints, air or sleepers, which cannot be added",
+  refuses("particle 1: its island has shapes, bodies, joints, air or sleepers, which cannot be added",
           [](Scene& s) { s.capsules = {{.a = point_at(1), .b = point_at(2), .radius = 0.1}}; });
-  refuses("particle 0: its island has shapes, bodies, joints, air or sleepers", [](Scene& s) {
+  refuses("particle 1: its island has shapes, bodies, joints, air or sleepers", [](Scene& s) {
     for (Particle& each : s.particles) each.asleep = true;
   });
-  refuses("particle 0: its island has shapes, bodies, joints, air or sleepers, which cannot be added",
+  refuses("particle 1: its island has shapes, bodies, joints, air or sleepers, which cannot be added",
           [](Scene& s) { s.rods[1].mass = s.rods[1].linear_drag = 1; });
   refuses("no particles", [](Scene& s) { s = {}; });
   EXPECT_EQ(world.state_hash(), before);

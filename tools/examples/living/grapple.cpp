@@ -9,7 +9,7 @@ int main() {
   scene.particles = {{.position = {0, 5, 0}, .velocity = {6, 0, 0}, .mass = 80},  // who jumps
                      {.position = {6, 12, 0}, .fixed = true}};                    // where the hook holds
   plumb::World world(scene, {.tensions = true});
-  const auto hero = world.handle<Particle>(0), hook = world.handle<Particle>(1);
+  const auto hero = world.handle<plumb::Particle>(0), hook = world.handle<plumb::Particle>(1);
   for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
 
   // The cable is as long as they are apart. It pulls from the next step on.

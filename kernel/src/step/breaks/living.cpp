@@ -44,7 +44,8 @@ void Breaks::grow(const Population& to) {
 }
 
 void Breaks::add(const Addition& what) {
-  const auto& [scene, first] = what;
+  const Scene& scene = what.scene;
+  const ByKind<std::uint32_t>& first = what.first;
   for_lists(
       [&](std::size_t kind, auto& to, const auto& from) {
         for (std::size_t i = 0; i < from.size(); ++i) {
