@@ -59,7 +59,7 @@ void Things::add_hull(const Scene& scene, std::size_t i) {
   const Hull& each = scene.hulls[i];
   const auto solid = static_cast<std::uint32_t>(solids_.size());
   const std::uint32_t thing = add_solid(ShapeKind::hull, i, each.filter, each.radius);
-  Carried& out = carried_.emplace_back();
+  Carried& out = *carried_.emplace_back(std::make_unique<Carried>());
   out.thing = thing;
   out.solid = solid;
   out.hull = ConvexHull(each.points);
@@ -170,7 +170,7 @@ void Things::update(const Whereabouts& now) {
 
 void Things::move_hulls(const Whereabouts& now) {
   for (std::size_t i = 0; i < carried_.size(); ++i) {
-    Carried& each = carried_[i];
+    Carried& each = *carried_[i];
     Thing& thing = things_[each.thing];
     Bounds& bounds = bounds_[each.thing];
     thing.form = Thing::Form::gone;

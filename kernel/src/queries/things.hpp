@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -126,7 +126,7 @@ class Things {
   std::vector<BareRod> rods_;
   std::vector<std::uint32_t> particles_;
   std::vector<AddedShape> added_;
-  std::deque<Carried> carried_;  ///< Convex shapes point to what must stay where it is.
+  std::vector<std::unique_ptr<Carried>> carried_;  ///< Convex shapes point to what stays where it is.
   /// Of solids, which are hulls on bodies, boxes, hulls of the ground and added hulls in this order: their
   /// shapes now, and the first box.
   std::vector<Convex> solids_;
