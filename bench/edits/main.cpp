@@ -1,6 +1,7 @@
 // bench_edits measures what it costs to add a rope to a world of many, to remove one, to cut one or a tenth
-// of them at once, and to join two. Frames go on between the edits, as they do in a game, and edits without
-// frames show what cold caches cost.
+// of them at once, and to join two; to add and remove crates and figures; and to pack ropes that came one by
+// one. Frames go on between the edits, as they do in a game, and edits without frames show what cold caches
+// cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plumb/joints.hpp"
 #include "plumb/world.hpp"
 
 namespace plumb::bench {
@@ -56,14 +58,33 @@ class Times {
   std::vector<double> times_;
 };
 
-/// Adds and removes a rope again and again, with or without a frame between.
-void add_and_remove(World& world, bool has_frames, const std::string& name) {
-  Scene rope;
-  append_rope(rope, -5);
+/// Appends a box on a hull.
+void append_crate(Scene& scene, Vec3 center) {
+  MassProperties box = solid_box(1, {0.2, 0.2, 0.2});
+  box.center = center;
+  const std::uint32_t body = add_body(scene, box);
+  scene.hulls.push_back(box_on_body(body, {.center = center, .half_size = {0.1, 0.1, 0.1}}));
+}
+
+/// Appends ten limbs on hinges, one below the other, with capsules.
+void append_figure(Scene& scene, Vec3 top) {
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    MassProperties limb = solid_box(1, {0.1, 0.3, 0.1});
+    limb.center = top - Vec3{0, 0.4 * i, 0};
+    const std::uint32_t body = add_body(scene, limb);
+    if (i > 0) add_revolute(scene, body - 1, body, limb.center + Vec3{0, 0.2, 0}, {1, 0, 0});
+    scene.capsules.push_back({.a = point_on_body(scene, body, limb.center + Vec3{0, 0.1, 0}),
+                              .b = point_on_body(scene, body, limb.center - Vec3{0, 0.1, 0}),
+                              .radius = 0.05});
+  }
+}
+
+/// Adds and removes something again and again, with or without a frame between.
+void add_and_remove(World& world, const Scene& what, bool has_frames, const std::string& name) {
   Times adds, removals;
   for (int i = 0; i < 400; ++i) {
     Added first;
-    adds.time([&] { first = world.add(rope); });
+    adds.time([&] { first = world.add(what); });
     if (has_frames) world.step(frame);
     removals.time([&] { world.remove(first.particle + 1); });
     if (has_frames) world.step(frame);
@@ -109,8 +130,10 @@ void measure(Method method, std::uint32_t ropes) {
   for (World* const each : {&world, &other, &third}) each->step(frame);
   for (int i = 0; i < 200; ++i) frames.time([&] { world.step(frame); });
   frames.say(name + "frame");
-  add_and_remove(world, true, name);
-  add_and_remove(world, false, name);
+  Scene rope;
+  append_rope(rope, -5);
+  add_and_remove(world, rope, true, name);
+  add_and_remove(world, rope, false, name);
   cut_ropes(other, ropes, 1, 20, name);
   cut_ropes(third, ropes, ropes / 10, 5, name);
   for (std::uint32_t i = 0; i < 20; ++i) {
@@ -122,6 +145,44 @@ void measure(Method method, std::uint32_t ropes) {
   join_frames.say(name + "frame with a join");
 }
 
+/// Adds and removes one more crate or figure over a floor.
+template <class Append>
+void measure_bodies(Method method, const std::string& kind, Append&& append) {
+  constexpr std::uint32_t count = 1000;
+  Scene scene, one;
+  scene.planes.push_back({});
+  for (std::uint32_t i = 0; i < count; ++i) append(scene, {2.0 * (i % 32), 10, 2.0 * (i / 32)});
+  append(one, {-3, 10, 0});
+  World world(scene, {.method = method, .threads = 1});
+  const std::string name = std::to_string(count) + " " + kind + ", " + std::string(to_string(method)) + ": ";
+  add_and_remove(world, one, false, name);
+}
+
+/// Packs ropes that came one by one.
+void measure_pack(Method method, std::uint32_t ropes) {
+  Scene scene;
+  append_rope(scene, 0);
+  World world(scene, {.method = method, .threads = 1});
+  for (std::uint32_t i = 1; i < ropes; ++i) {
+    Scene rope;
+    append_rope(rope, i);
+    world.add(rope);
+  }
+  Times before, pack, after;
+  for (int i = 0; i < 100; ++i) before.time([&] { world.step(frame); });
+  for (int i = 0; i < 3; ++i)
+    pack.time([&] {
+      world.pack();
+      world.step(frame);
+    });
+  for (int i = 0; i < 100; ++i) after.time([&] { world.step(frame); });
+  const std::string name =
+      std::to_string(ropes) + " ropes one by one, " + std::string(to_string(method)) + ": ";
+  before.say(name + "frame");
+  pack.say(name + "frame with a pack");
+  after.say(name + "frame after it");
+}
+
 }  // namespace
 }  // namespace plumb::bench
 
@@ -130,4 +191,9 @@ int main() {
   for (const std::uint32_t ropes : {100u, 1000u})
     for (const plumb::Method method : {plumb::Method::direct, plumb::Method::relax})
       plumb::bench::measure(method, ropes);
+  for (const plumb::Method method : {plumb::Method::direct, plumb::Method::relax}) {
+    plumb::bench::measure_bodies(method, "crates", plumb::bench::append_crate);
+    plumb::bench::measure_bodies(method, "figures", plumb::bench::append_figure);
+    plumb::bench::measure_pack(method, 1000);
+  }
 }
