@@ -84,6 +84,11 @@ Scene random_addition(Random& random) {
     if (kind == 1) scene.rods.back().law = {.stiffness = 500, .damping = 0.1};
     scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
   }
+  if (kind == 4)
+    for (Particle& each : scene.particles) {
+      each.velocity = {};
+      each.asleep = true;
+    }
   if (kind == 2) scene.bends.push_back({.a = 0, .b = 1, .c = 2, .stiffness = 0.01});
   if (kind == 3)
     scene.springs.push_back({.a = point_at(0), .b = point_at(3), .length = 0.25, .stiffness = 3});
@@ -219,6 +224,13 @@ bool edit(Twins& twins, Random& random) {
   return true;
 }
 
+/// Returns how many numbers of capsules a world has.
+std::uint32_t capsules_of(const World& world) {
+  std::uint32_t count = 0;
+  while (test::refusal([&] { (void)world.handle<Capsule>(count); }).empty()) ++count;
+  return count;
+}
+
 /// Saves one of the twins, and lets a third world go on from there.
 void expect_restored(const Scene& scene, Twins& twins) {
   std::vector<std::byte> bytes(twins.one.snapshot_size());
@@ -226,6 +238,8 @@ void expect_restored(const Scene& scene, Twins& twins) {
   World third(scene, twins.one.settings());
   third.restore(bytes);
   EXPECT_EQ(third.state_hash(), twins.one.state_hash());
+  for (std::uint32_t i = 0; twins.one.settings().tensions && i < capsules_of(twins.one); ++i)
+    EXPECT_EQ(third.has_shape({ShapeKind::capsule, i}), twins.one.has_shape({ShapeKind::capsule, i}));
   twins.one.step(twins.frame);
   twins.two.step(twins.frame);
   third.step(twins.frame);

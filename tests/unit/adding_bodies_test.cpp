@@ -350,6 +350,52 @@ TEST(AddingBodies, SleepOnIfTheyDoSo) {
   EXPECT_EQ(world.step(frame).awake_islands, 0u) << "all sleep again";
 }
 
+// Beads that touch and come together, asleep, do as they would from the start: one is hit, and all sleep
+// again.
+TEST(AddingBodies, SleepTogetherAsFromTheStart) {
+  Scene beads, whole = floor_alone();
+  for (int i = 0; i < 20; ++i) {
+    beads.particles.push_back({.position = {0.1 * i, 0.05, 0}, .mass = 0.1, .asleep = true});
+    const auto number = static_cast<std::uint32_t>(i);
+    beads.capsules.push_back({.a = point_at(number), .b = point_at(number), .radius = 0.05});
+  }
+  whole.particles = beads.particles;
+  whole.capsules = beads.capsules;
+  World grown(floor_alone(), {.tensions = true}), begun(whole, {.tensions = true});
+  const Added first = grown.add(beads);
+  const Added ball = grown.add(crate({0.35, 0.5, 0}));
+  begun.add(crate({0.35, 0.5, 0}));
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(grown.step(frame).awake_islands, begun.step(frame).awake_islands) << i;
+    ASSERT_EQ(grown.state_hash(), begun.state_hash()) << i;
+  }
+  EXPECT_EQ(grown.step(frame).awake_islands, 0u);
+  for (std::uint32_t i = 0; i < 20; ++i) grown.remove(first.particle + i);
+  step(grown, 5);
+  EXPECT_EQ(grown.contact_force({ShapeKind::capsule, 3}), Vec3{});
+  EXPECT_TRUE(grown.has_shape({ShapeKind::hull, ball.hull}));
+}
+
+// What came and went leaves numbers, of which a restored world and other settings know nothing more.
+TEST(AddingBodies, LeaveNumbersThatNothingPushes) {
+  World world(floor_alone(), {.tensions = true});
+  const Added gone = world.add(crate({0, 0.1, 0}));
+  step(world, 2);
+  world.remove(gone.particle);
+  std::vector<std::byte> kept(world.snapshot_size());
+  world.save(kept);
+  World fresh(floor_alone(), {.tensions = true});
+  fresh.restore(kept);
+  world.set_settings({.substeps = 2, .tensions = true});
+  for (World* const each : {&world, &fresh}) {
+    std::vector<Vec3> forces(1);
+    each->copy_contact_forces(forces);
+    EXPECT_EQ(forces[0], Vec3{});
+    EXPECT_EQ(each->contact_force({ShapeKind::hull, gone.hull}), Vec3{});
+    EXPECT_FALSE(each->has_shape({ShapeKind::hull, gone.hull}));
+  }
+}
+
 // Two bodies on one anchor: what holds it is what hangs from it, while they come and go.
 TEST(AddingBodies, PullAtAnchorsAsLongAsTheyHang) {
   Scene scene;
@@ -399,6 +445,16 @@ TEST(AddingBodies, AreFoundByQueriesAndDrawn) {
   hit = look(0);
   EXPECT_EQ(hit.target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::hull, 0}));
   EXPECT_NEAR(hit.distance, 4 - half, 1e-12) << "where it is, not where the first was";
+  World other(scene, {});
+  Scene large;
+  const std::uint32_t body =
+      add_body(large, {.mass = 1, .center = {2, 1, 0}, .inertia = {.xx = 0.1, .yy = 0.1, .zz = 0.1}});
+  large.hulls.push_back(box_on_body(body, {.center = {2, 1, 0}, .half_size = {0.5, 0.5, 0.5}}));
+  other.add(large);
+  queries.update(other);
+  EXPECT_NEAR(queries.cast_ray({.origin = {2, 5, 0}, .direction = {0, -1, 0}, .length = 10}).distance, 3.5,
+              1e-12)
+      << "of the same name, in another world";
   const Added limbs = world.add(figure({4, 1, 0}));
   EXPECT_EQ(look(4).target, (QueryTarget{QueryTarget::Kind::shape, ShapeKind::capsule, limbs.capsule}));
 }

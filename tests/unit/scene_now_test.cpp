@@ -167,6 +167,53 @@ TEST(SceneNow, HasGroundWherePlatformsAre) {
   EXPECT_GE(anew.position(0).y, 0.1);
 }
 
+// A wound rod keeps the mass matrix that it was made with, also where its inertia is given.
+TEST(SceneNow, KeepsTheInertiaOfWhatIsWound) {
+  Scene scene;
+  scene.particles = {{.fixed = true}, {.position = {1, 0, 0}, .mass = 1}};
+  scene.rods.push_back({.a = 0, .b = 1, .length = 1, .mass = 6, .inertia = 0.1});
+  const Settings settings{.method = Method::direct, .gradient = Gradient::mid, .substeps = 4};
+  World world(scene, settings), packed(scene, settings);
+  for (int i = 0; i < 50; ++i)
+    for (World* const each : {&world, &packed}) {
+      each->set_length(0, 1 + 0.01 * (i + 1));
+      each->step(frame);
+    }
+  step(world, 2);
+  step(packed, 2);
+  World anew(world.scene(), settings);
+  packed.pack();
+  for (World* const each : {&world, &packed, &anew}) step(*each, 50);
+  EXPECT_LE(farthest(world, anew), 1e-9);
+  EXPECT_LE(farthest(world, packed), 1e-9);
+}
+
+// A cut that waits is not done, and one that is done has ended what lay along its rod, whatever mass is left.
+TEST(SceneNow, EndsWhatACutEnds) {
+  Scene scene = rope({0, 0, 0}, 4, true);
+  for (Rod& rod : scene.rods) rod.mass = 0.1;
+  for (std::uint32_t i = 0; i < 4; ++i)
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+  for (std::uint32_t i = 0; i < 3; ++i)
+    scene.bends.push_back({.a = i, .b = i + 1, .c = i + 2, .stiffness = 0.1, .damping = 0.01});
+  for (const bool has_shapes : {true, false}) {
+    if (!has_shapes) scene.capsules.clear();
+    const Settings settings{.method = Method::direct, .gradient = Gradient::mid, .substeps = 4};
+    World world(scene, settings);
+    step(world, 5);
+    world.cut(1);
+    EXPECT_EQ(world.scene().bends.size(), 3u);
+    EXPECT_EQ(world.scene().capsules.size(), has_shapes ? 4u : 0u);
+    step(world, 5);
+    EXPECT_EQ(world.scene().bends.size(), 1u);
+    EXPECT_EQ(world.scene().capsules.size(), has_shapes ? 3u : 0u);
+    World anew(world.scene(), settings);
+    step(world, 20);
+    step(anew, 20);
+    EXPECT_LE(farthest(world, anew), 1e-9);
+  }
+}
+
 TEST(SceneNow, KeepsTwistsTacklesAndReels) {
   Scene scene = rope({0, 0, 0}, 6, true);
   scene.particles[1].fixed = true;

@@ -41,17 +41,18 @@ struct BodyMotion {
 /// Says which numbers World::add() gave. Those of each kind follow each other in the order of what was added.
 /// Where none of a kind was added, its number means nothing.
 struct Added {
-  std::uint32_t particle = 0;  ///< Number of the first particle.
-  std::uint32_t rod = 0;       ///< Number of the first rod.
-  std::uint32_t bend = 0;      ///< Number of the first bend.
-  std::uint32_t tackle = 0;    ///< Number of the first tackle.
-  std::uint32_t body = 0;      ///< Number of the first body.
-  std::uint32_t pin = 0;       ///< Number of the first pin.
-  std::uint32_t angle = 0;     ///< Number of the first angle.
-  std::uint32_t spring = 0;    ///< Number of the first spring.
-  std::uint32_t torsion = 0;   ///< Number of the first torsion.
-  std::uint32_t capsule = 0;   ///< Number of the first capsule.
-  std::uint32_t hull = 0;      ///< Number of the first hull.
+  std::uint32_t particle = 0;   ///< Number of the first particle.
+  std::uint32_t rod = 0;        ///< Number of the first rod.
+  std::uint32_t bend = 0;       ///< Number of the first bend.
+  std::uint32_t tackle = 0;     ///< Number of the first tackle.
+  std::uint32_t body = 0;       ///< Number of the first body.
+  std::uint32_t pin = 0;        ///< Number of the first pin.
+  std::uint32_t alignment = 0;  ///< Number of the first alignment.
+  std::uint32_t angle = 0;      ///< Number of the first angle.
+  std::uint32_t spring = 0;     ///< Number of the first spring.
+  std::uint32_t torsion = 0;    ///< Number of the first torsion.
+  std::uint32_t capsule = 0;    ///< Number of the first capsule.
+  std::uint32_t hull = 0;       ///< Number of the first hull.
 
   /// Returns whether all members are equal.
   friend constexpr bool operator==(const Added&, const Added&) = default;

@@ -223,7 +223,8 @@ class PLUMB_API World {
   void remove(std::uint32_t particle);
   /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
   /// Edits leave islands with solvers of their own, which takes longer. That step takes as long as a start,
-  /// and all wake; nothing jumps. Throws InputError under springs, multipliers and featherstone.
+  /// and what is made anew wakes; nothing jumps. Islands with joints stay as they are. Throws InputError
+  /// under springs, multipliers and featherstone.
   void pack();
   /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
@@ -310,8 +311,8 @@ class PLUMB_API World {
 
   /// Returns a scene of what there is now, in the order of numbers, of which those that were removed are left
   /// out. A world that begins with it goes on as this one does, up to what gradients and contacts remember of
-  /// the last step, and awake. Cuts that wait are done, and other edits that wait are not. Forces, grabs and
-  /// rates of lengths are no part of it. Throws InputError under springs, multipliers and featherstone.
+  /// the last step, and awake. Edits that wait, forces, grabs and rates of lengths are no part of it. Throws
+  /// InputError under springs, multipliers and featherstone.
   Scene scene() const;
   std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
   std::uint32_t rod_count() const;       ///< Numbers of rods, with those that were removed.

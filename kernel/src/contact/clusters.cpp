@@ -73,11 +73,12 @@ void Clusters::end(std::uint32_t island) {
   bounds_[island] = nowhere;
 }
 
-/// Puts sleepers into cells, by their bounds.
+/// Puts sleepers into cells, by their bounds. Those that are about to begin have none yet.
 void Clusters::list_sleepers() {
   sleepers_.start(cell_, 8 * islands_.size());
   for (const LinkageState& state : islands_)
-    if (state.asleep && state.linkage != nullptr && state.linkage->has_shapes())
+    if (state.asleep && state.linkage != nullptr && state.linkage->has_shapes() &&
+        !bounds_[state.number].is_empty())
       sleepers_.insert(state.number, bounds_[state.number]);
 }
 

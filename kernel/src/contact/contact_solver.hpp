@@ -92,7 +92,7 @@ class ContactSolver final : public Solver {
   /// others move here alone.
   std::vector<Made> add(const NamedPart& part);
   /// Returns the scene's numbers of what an island has but its particles.
-  const ByKind<std::vector<std::uint32_t>>& names_of(std::uint32_t island) const { return names_[island]; }
+  const Names& names_of(std::uint32_t island) const { return names_[island]; }
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
@@ -372,13 +372,13 @@ class ContactSolver final : public Solver {
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
   std::vector<History> histories_;
-  std::vector<Slot> first_slot_;                           ///< by island's number
-  std::vector<std::uint32_t> island_of_;                   ///< the island of each slot
-  ByKind<std::vector<Owner>> owners_;                      ///< by their numbers in the scene
-  std::vector<ByKind<std::vector<std::uint32_t>>> names_;  ///< by island's number: those of what it has
-  std::vector<std::size_t> rooms_;   ///< by island's number: slots that fit behind its first one
-  Gradient gradient_;                ///< that of islands without a home
-  std::vector<Vec3> ground_pushes_;  ///< N, by ground; none before the first step
+  std::vector<Slot> first_slot_;          ///< by island's number
+  std::vector<std::uint32_t> island_of_;  ///< the island of each slot
+  ByKind<std::vector<Owner>> owners_;     ///< by their numbers in the scene
+  std::vector<Names> names_;              ///< by island's number: those of what it has
+  std::vector<std::size_t> rooms_;        ///< by island's number: slots that fit behind its first one
+  Gradient gradient_;                     ///< that of islands without a home
+  std::vector<Vec3> ground_pushes_;       ///< N, by ground; none before the first step
   ContactList contacts_;
   bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made

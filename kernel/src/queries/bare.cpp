@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "scene/lists/digest.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -14,6 +16,12 @@ std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
     for (std::size_t k = 0; k < 4; ++k)
       if (point->weights[k] != 0) out.insert(point->particles[k]);
   return {out.begin(), out.end()};
+}
+
+std::uint64_t digest_of(const Capsule& capsule) {
+  Digest out;
+  out(capsule);
+  return out.value();
 }
 
 bool is_shown(std::span<const std::uint8_t> shown, const Numbers& numbers, std::uint32_t number) {
@@ -74,14 +82,18 @@ void Bare::find_added(const Scene& now, const Population& population, const HasS
   };
   for_added(now.capsules.size(), first_.capsules, population.capsules, [&](std::uint32_t i) {
     if (!has_shape({ShapeKind::capsule, i})) return;
-    shapes_.push_back({{ShapeKind::capsule, i}, population.capsules.generation(i)});
+    shapes_.push_back({{ShapeKind::capsule, i}, digest_of(now.capsules[i])});
     const std::vector<std::uint32_t> particles = particles_of(now.capsules[i]);
     added_at_.insert(added_at_.end(), particles.begin(), particles.end());
     if (particles.size() == 2) added_pairs_.emplace_back(particles[0], particles[1]);
   });
   for_added(now.hulls.size(), first_.hulls, population.hulls, [&](std::uint32_t i) {
-    if (has_shape({ShapeKind::hull, i}))
-      shapes_.push_back({{ShapeKind::hull, i}, population.hulls.generation(i)});
+    if (!has_shape({ShapeKind::hull, i})) return;
+    Digest digest;
+    digest(now.hulls[i]);
+    for (const std::uint32_t particle : now.bodies[now.hulls[i].body].particles)
+      digest(particle, now.particles[particle].position);
+    shapes_.push_back({{ShapeKind::hull, i}, digest.value()});
   });
   for_added(now.bodies.size(), first_.bodies, population.bodies, [&](std::uint32_t i) {
     for (const std::uint32_t a : now.bodies[i].particles) {

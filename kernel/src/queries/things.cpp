@@ -139,8 +139,10 @@ bool Things::list_bare(const Scene& now, std::span<const BareRod> rods,
   for (const std::uint32_t particle : particles_)
     add_line(QueryTarget::Kind::particle, particle, particle_radius_);
   for (const AddedShape& each : added_)
-    each.shape.kind == ShapeKind::hull ? add_hull(now, each.shape.number)
-                                       : add_capsule(now, each.shape.number);
+    if (each.shape.kind == ShapeKind::hull)
+      add_hull(now, each.shape.number);
+    else
+      add_capsule(now, each.shape.number);
   bounds_.resize(things_.size());
   return true;
 }

@@ -44,7 +44,7 @@ struct BareRod {
 /// This is a capsule or hull that was added since the scene.
 struct AddedShape {
   ShapeId shape;
-  std::uint32_t generation;  ///< of its number
+  std::uint64_t digest;  ///< of how it is described
   friend bool operator==(const AddedShape&, const AddedShape&) = default;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -106,6 +107,10 @@ class Step {
   bool is_broken(std::uint32_t rod) const;
   bool waits(std::uint32_t rod) const;
   const Breaks& breaks() const { return breaks_; }
+  /// Returns whether a rod is to be cut in the next step.
+  bool is_ordered(std::uint32_t rod) const {
+    return std::find(edits_.cut.begin(), edits_.cut.end(), rod) != edits_.cut.end();
+  }
 
   // --- Edits, of which those that make islands anew wait for the next step (breaks/orders.cpp)
 
@@ -241,18 +246,18 @@ class Step {
   void grow_tables();
   void measure_size(const Scene& scene);
   void relate_errors();
-  Removed take_away(std::uint32_t particle);
-  Removed list_island(std::uint32_t particle) const;
-  void tell_of(const Removed& names);
-  void put_in_contact(Split& now, Removed names);
+  Names take_away(std::uint32_t particle);
+  Names list_island(std::uint32_t particle) const;
+  void tell_of(const Names& names);
+  void put_in_contact(Split& now, Names names);
   bool holds_ground(std::uint32_t anchor) const {
     return compiled_.contact && compiled_.contact->holds_ground(anchor);
   }
   PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;
   std::vector<std::uint32_t> meeting(const Edits& edits) const;
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
-  void forget(const Removed& gone);
-  void drop_edits(const Removed& of);
+  void forget(const Names& gone);
+  void drop_edits(const Names& of);
   void order(const Edits& edits, bool is_ordered);
   void refix(const Edits& edits);
   bool joins_by_mass(std::uint32_t rod) const;

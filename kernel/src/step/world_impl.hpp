@@ -104,7 +104,8 @@ struct PLUMB_HIDDEN World::Impl {
   /// Names a shape by its number among all: capsules and hulls with which the world began, then capsules and
   /// hulls that were added.
   ShapeId shape(std::uint32_t number) const {
-    const std::uint32_t capsules = of_kind[0], hulls = of_kind[1];
+    const auto began_with = [&](ShapeKind kind) { return of_kind[static_cast<std::size_t>(kind)]; };
+    const std::uint32_t capsules = began_with(ShapeKind::capsule), hulls = began_with(ShapeKind::hull);
     if (number < capsules) return {ShapeKind::capsule, number};
     if (number < capsules + hulls) return {ShapeKind::hull, number - capsules};
     const std::uint32_t all = step->population().capsules.count();

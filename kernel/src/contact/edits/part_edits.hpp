@@ -35,8 +35,8 @@ struct PartEdits {
 class NamedPart {
  public:
   Scene scene{};
-  ByKind<std::vector<std::uint32_t>> names{};  ///< of all but bends and tackles
-  std::vector<std::uint32_t> rods_were{};      ///< their numbers before any was taken out
+  Names names{};                           ///< those of bends and tackles may be missing
+  std::vector<std::uint32_t> rods_were{};  ///< their numbers before any was taken out
 
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.

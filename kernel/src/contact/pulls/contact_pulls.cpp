@@ -117,9 +117,9 @@ double ContactSolver::torsion_torque(std::uint32_t torsion) const {
 }
 
 Vec3 ContactSolver::contact_force(ShapeId shape) const {
+  if (!has_shape(shape)) return {};
   const auto [island, number] = owners_of(shape)[shape.number];
   if (island == no_island) return ground_force(number);
-  if (island == ended) return {};
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};
   const std::size_t first = shape.kind == ShapeKind::hull ? names_[island].capsules.size() : 0;

@@ -210,7 +210,7 @@ double ClusterStepper::height_of(const Island& island) {
 // new velocities still apart, in Island::v.
 //
 // It returns false if more energy was gained than there is motion, so that something was lifted. If no
-// shorter substep is to be tried, all motion stops instead.
+// shorter substep is to be tried, all motion stops instead but what is common to what flies.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
   if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its height

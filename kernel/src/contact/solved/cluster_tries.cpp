@@ -14,7 +14,7 @@ using namespace contact_limits;
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
 /// twice, with a loose grip, relaxed, and then halved on. Returns its length. It is 0 if nothing was found:
-/// what cannot be solved stays where it is, and stops.
+/// what cannot be solved stays where it is, and keeps what motion is common to it.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
@@ -69,7 +69,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
 /// Takes all motion but what is common to all that is awake: what flies keeps its momentum.
 void ClusterStepper::stop() {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].v = islands_[i].state->v;
-  const Vec3 common = common_velocity();
+  const Vec3 flies = common_velocity(), common = is_finite(flies) ? flies : Vec3{};
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake)
       std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), common);

@@ -15,10 +15,13 @@ namespace plumb::detail {
 /// Finds a scene's rods by their ends.
 class RodTable {
  public:
-  explicit RodTable(const Scene& scene) {
+  explicit RodTable(const Scene& scene) : RodTable(scene, [](std::size_t) { return true; }) {}
+  /// Knows those alone of which has(i) says so.
+  template <class Has>
+  RodTable(const Scene& scene, Has&& has) {
     rods_.reserve(scene.rods.size());
     for (std::size_t i = 0; i < scene.rods.size(); ++i)
-      rods_.emplace_back(key(scene.rods[i].a, scene.rods[i].b), i);
+      if (has(i)) rods_.emplace_back(key(scene.rods[i].a, scene.rods[i].b), i);
     std::sort(rods_.begin(), rods_.end());
   }
 

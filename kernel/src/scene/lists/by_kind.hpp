@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "plumb/scene.hpp"
 
@@ -28,6 +29,9 @@ struct ByKind {
 
   friend bool operator==(const ByKind&, const ByKind&) = default;
 };
+
+/// Lists numbers of each kind.
+using Names = ByKind<std::vector<std::uint32_t>>;
 
 template <class Archive, class T>
 void visit_members(Archive& archive, ByKind<T>& of) {

@@ -65,7 +65,7 @@ void Step::put(Split& now, Compiled made) {
   const Addition& of = now.added.front();
   breaks_.add(of);
   const ByKind<std::uint32_t> sizes = sizes_of(of.scene);
-  Removed names;
+  Names names;
   for (std::size_t kind = 0; kind < names.kinds; ++kind) {
     names.all()[kind]->resize(*sizes.all()[kind]);
     std::iota(names.all()[kind]->begin(), names.all()[kind]->end(), *of.first.all()[kind]);
@@ -86,7 +86,7 @@ void Step::put(Split& now, Compiled made) {
 }
 
 /// Tells all that know particles, cords and bodies of those that are new.
-void Step::tell_of(const Removed& names) {
+void Step::tell_of(const Names& names) {
   const Scene& scene = breaks_.scene_now();
   for (const std::uint32_t i : names.particles) {
     const Particle& particle = scene.particles[i];
@@ -106,7 +106,7 @@ void Step::tell_of(const Removed& names) {
 
 /// Lets the contact solver know islands with shapes, bodies, joints or air. Those of particles and rods are
 /// at home.
-void Step::put_in_contact(Split& now, Removed names) {
+void Step::put_in_contact(Split& now, Names names) {
   ContactSolver& contact = *compiled_.contact;
   const std::vector<std::uint32_t> particles = names.particles;
   NamedPart part{.scene = scene_of(now.added.front()), .names = std::move(names)};
@@ -135,7 +135,7 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
     refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays");
   Split now;
   now.removed = {particle};
-  Removed gone = take_away(particle);
+  Names gone = take_away(particle);
   for (std::size_t kind = 0; kind < gone.kinds; ++kind) population_.all()[kind]->give_back(*gone.all()[kind]);
   drop_edits(gone);
   log_.push_removal(std::move(now), gone.particles);
@@ -143,8 +143,8 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
 }
 
 /// Takes an island out, with the fixed particles from which nothing hangs then. Returns what is gone.
-Removed Step::take_away(std::uint32_t particle) {
-  Removed out = list_island(particle);
+Names Step::take_away(std::uint32_t particle) {
+  Names out = list_island(particle);
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
@@ -167,12 +167,12 @@ Removed Step::take_away(std::uint32_t particle) {
 }
 
 /// Lists what an island has, with the fixed particles that it hangs from.
-Removed Step::list_island(std::uint32_t particle) const {
+Names Step::list_island(std::uint32_t particle) const {
   const Place* const place = anchors_.is_fixed(particle) ? nullptr : contact_place(particle);
   if (!place) return breaks_.island_to_remove(particle, {});
   const std::uint32_t island = compiled_.contact->island_of(place->slot);
-  Removed out = breaks_.island_to_remove(particle, compiled_.contact->particles_of(island));
-  const Removed& names = compiled_.contact->names_of(island);  // of all but what is listed
+  Names out = breaks_.island_to_remove(particle, compiled_.contact->particles_of(island));
+  const Names& names = compiled_.contact->names_of(island);  // of all but what is listed
   for (std::size_t kind = 0; kind < out.kinds; ++kind) {
     if (!names.all()[kind]->empty()) append(*out.all()[kind], *names.all()[kind]);
     sort_once(*out.all()[kind]);
@@ -181,7 +181,7 @@ Removed Step::list_island(std::uint32_t particle) const {
 }
 
 /// Lets nobody know what is gone any more.
-void Step::forget(const Removed& gone) {
+void Step::forget(const Names& gone) {
   const Scene& scene = breaks_.scene_now();
   for (const std::uint32_t rod : gone.rods) {
     if (settings_.tensions)
@@ -204,7 +204,7 @@ void Step::forget(const Removed& gone) {
 }
 
 /// Takes back what was ordered of what is gone.
-void Step::drop_edits(const Removed& of) {
+void Step::drop_edits(const Names& of) {
   const auto is_gone = [](const std::vector<std::uint32_t>& list, std::uint32_t number) {
     return std::binary_search(list.begin(), list.end(), number);
   };

@@ -262,11 +262,11 @@ Breaks::Cutout Breaks::cutout() {
   return out;
 }
 
-/// Ends the bends and twists that lack a rod.
+/// Ends the bends and twists that lack a rod, of which the mass may be left.
 void Breaks::end_elements(Cutout& of) {
   Scene& scene = of.scene;
   if (scene.bends.empty() && scene.twists.empty()) return;
-  const RodTable rods(scene);
+  const RodTable rods(scene, [&](std::size_t i) { return out_[of.rods[i]] != State::taken; });
   const Ids before = of.bends;
   erase_numbered(scene.bends, of.bends,
                  [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });

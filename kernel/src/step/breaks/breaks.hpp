@@ -36,9 +36,6 @@ struct Fallen {
   bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
 };
 
-/// Lists what is removed with an island.
-using Removed = ByKind<std::vector<std::uint32_t>>;
-
 /// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work
 /// grows with these islands alone, once begin() has looked at the whole scene.
 ///
@@ -92,9 +89,9 @@ class Breaks {
   /// Lists the particles, rods, bends and tackles of an island as it is, with the fixed particles that it
   /// hangs from, and all rods at its movable ones. It is that of a movable particle, or, if joints hold it
   /// together, that which has `jointed` particles. Of a fixed particle it lists that and its rods.
-  Removed island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const;
+  Names island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const;
   /// Forgets what is listed. Where it has rods of particles that stay, they lose those.
-  void remove(const Removed& what);
+  void remove(const Names& what);
 
   /// Returns the particles of the island of a movable one, or none of a fixed one.
   std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
@@ -117,6 +114,7 @@ class Breaks {
     const auto mass = masses_.find(particle);
     return own_mass(particle) + (mass == masses_.end() ? 0 : mass->second.second);
   }
+  bool is_taken(std::uint32_t rod) const { return rod < out_.size() && out_[rod] == State::taken; }
   bool has_ended(std::uint32_t bend) const {
     return std::find(ended_.begin(), ended_.end(), bend) != ended_.end();
   }
@@ -155,7 +153,7 @@ class Breaks {
   };
 
   std::uint32_t spare_whole();
-  void remove_from_wholes(const Removed& what);
+  void remove_from_wholes(const Names& what);
   std::uint32_t whole_at(std::uint32_t rod) const;
   void touch(std::uint32_t whole, bool is_forced);
   void touch_rod(std::uint32_t rod, bool is_forced);

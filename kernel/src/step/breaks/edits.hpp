@@ -18,6 +18,9 @@ inline double misfit(double distance, double length, const RodLaw& law) {
   return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
 }
 
+/// Lets a rod be as long as it is now (m), with the mass matrix of the length in the scene that describes it.
+void wind(Rod& rod, double described, double now);
+
 /// Returns whether islands with shapes may have a rod, and still go home to solvers of particles and rods.
 inline bool is_plain_rod(const Rod& rod) {
   return rod.law.is_rigid() && rod.linear_drag == 0 && rod.orthogonal_drag == 0;

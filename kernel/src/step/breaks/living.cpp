@@ -84,8 +84,8 @@ void Breaks::add(const Addition& what) {
   }
 }
 
-Removed Breaks::island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const {
-  Removed out;
+Names Breaks::island_to_remove(std::uint32_t particle, std::span<const std::uint32_t> jointed) const {
+  Names out;
   if (whole_[particle] == none) {
     out.particles = {particle};
     const std::span<const std::uint32_t> rods = rods_at(particle);
@@ -121,7 +121,7 @@ Removed Breaks::island_to_remove(std::uint32_t particle, std::span<const std::ui
 
 /// Lets wholes lose what is removed. Nothing is left of most; those that joints or shapes hold may have come
 /// apart.
-void Breaks::remove_from_wholes(const Removed& what) {
+void Breaks::remove_from_wholes(const Names& what) {
   Ids wholes;
   for (const std::uint32_t particle : what.particles)
     if (const std::uint32_t number = std::exchange(whole_[particle], none); number != none)
@@ -141,7 +141,7 @@ void Breaks::remove_from_wholes(const Removed& what) {
   }
 }
 
-void Breaks::remove(const Removed& what) {
+void Breaks::remove(const Names& what) {
   remove_from_wholes(what);
   for (const std::uint32_t rod : what.rods) {
     for (const std::uint32_t end : {scene_now().rods[rod].a, scene_now().rods[rod].b}) {

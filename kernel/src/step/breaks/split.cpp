@@ -19,6 +19,11 @@ std::vector<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat>
 
 }  // namespace
 
+void wind(Rod& rod, double described, double now) {
+  rod.length = now;
+  if (rod.inertia) *rod.inertia *= (now / described) * (now / described);
+}
+
 /// Returns the rods that broke in the last step, and whose islands are still as they were.
 std::vector<std::uint32_t> Step::broken_now() const {
   std::vector<std::uint32_t> out;
@@ -63,7 +68,7 @@ void Step::split(StepReport&) {
 void Step::repeat(Split split_then) {
   breaks_.begin();
   if (!split_then.removed.empty()) {
-    const Removed gone = take_away(split_then.removed.front());
+    const Names gone = take_away(split_then.removed.front());
     return log_.push_removal(std::move(split_then), gone.particles);
   }
   if (!split_then.added.empty()) {
@@ -97,7 +102,8 @@ void Step::set_state(Fallen& fallen, const Split& now) const {
     particle.position = now.positions[k];
     if (!particle.fixed) particle.velocity = now.velocities[k];
   }
-  for (std::size_t k = 0; k < fallen.rods.size(); ++k) fallen.scene.rods[k].length = now.lengths[k];
+  for (std::size_t k = 0; k < fallen.rods.size(); ++k)
+    wind(fallen.scene.rods[k], rod_length(breaks_.scene_now(), fallen.rods[k]), now.lengths[k]);
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
 }

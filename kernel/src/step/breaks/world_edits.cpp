@@ -153,8 +153,18 @@ Added World::add(const Scene& scene) {
   impl_->fit_numbers();
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
     impl_->fixed[first.particles + i] = scene.particles[i].fixed ? 1 : 0;
-  return {first.particles, first.rods,    first.bends,    first.tackles,  first.bodies, first.pins,
-          first.angles,    first.springs, first.torsions, first.capsules, first.hulls};
+  return {.particle = first.particles,
+          .rod = first.rods,
+          .bend = first.bends,
+          .tackle = first.tackles,
+          .body = first.bodies,
+          .pin = first.pins,
+          .alignment = first.alignments,
+          .angle = first.angles,
+          .spring = first.springs,
+          .torsion = first.torsions,
+          .capsule = first.capsules,
+          .hull = first.hulls};
 }
 
 void World::remove(std::uint32_t particle) {

@@ -108,7 +108,7 @@ void Step::redo(const Split& split, const Step& from) {
   Split now;
   if (!split.removed.empty()) {
     now.removed = split.removed;
-    const Removed gone = take_away(now.removed.front());
+    const Names gone = take_away(now.removed.front());
     return log_.push_removal(std::move(now), gone.particles);
   }
   if (!split.added.empty()) {

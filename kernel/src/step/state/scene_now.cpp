@@ -92,9 +92,15 @@ class Present {
   void copy_rods() {
     for_those(all_.rods, there_.rods, [&](std::uint32_t i, Rod& rod) {
       if (step_.waits(i) || (out_.particles[rod.a].fixed && out_.particles[rod.b].fixed)) return;
-      rod.length = step_.length(i);
-      if (step_.is_broken(i)) {
-        if (rod.mass == 0 || !step_.breaks().joins_ends(i)) return;
+      wind(rod, rod_length(all_, i), step_.length(i));
+      const bool is_taken = step_.breaks().is_taken(i);
+      if (is_taken || (step_.is_broken(i) && !step_.is_ordered(i))) {
+        const RodMass mass = rod_mass(all_, i, mass_model_of(step_.settings()));
+        if (mass.ab == 0) {
+          if (!is_taken) out_.particles[rod.a].mass += mass.aa;
+          if (!is_taken) out_.particles[rod.b].mass += mass.bb;
+          return;
+        }
         rod.law = {.stiffness = faint};
       }
       out_.rods.push_back(rod);
@@ -102,7 +108,7 @@ class Present {
   }
 
   void copy_elements() {
-    const RodTable rods(out_);
+    const RodTable rods(out_, [&](std::size_t i) { return out_.rods[i].law.stiffness != faint; });
     for_those(all_.bends, there_.bends, [&](std::uint32_t i, const Bend& bend) {
       if (!step_.breaks().has_ended(i) && !lacks_rod(out_, rods, particles_of(bend)))
         out_.bends.push_back(bend);
