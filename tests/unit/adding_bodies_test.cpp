@@ -12,6 +12,7 @@
 
 #include "plumb/plumb.hpp"
 #include "scene/lists/by_kind.hpp"
+#include "scene/lists/digest.hpp"
 #include "scene/lists/scene_members.hpp"
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
@@ -164,6 +165,26 @@ TEST(ByKind, ListsAllOfAScene) {
   const std::uint32_t of_points = 4 * (2 * (sizes.pins + sizes.springs + sizes.capsules) +
                                        4 * (sizes.alignments + sizes.angles) + 6 * sizes.torsions);
   EXPECT_EQ(moved, 2 * sizes.rods + 3 * sizes.bends + 4 * sizes.bodies + of_points);
+}
+
+TEST(Digest, TellsWhatDiffersInOneMember) {
+  const auto digest_of = [](const Capsule& capsule) {
+    detail::Digest out;
+    out(capsule);
+    return out.value();
+  };
+  const Capsule capsule{.a = point_at(1), .b = point_at(2), .radius = 0.1};
+  EXPECT_EQ(digest_of(capsule), digest_of(Capsule(capsule)));
+  const auto differs = [&](auto&& change) {
+    Capsule other = capsule;
+    change(other);
+    return digest_of(other) != digest_of(capsule);
+  };
+  EXPECT_TRUE(differs([](Capsule& of) { of.a.particles[0] = 3; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.b.weights[0] = 0.5; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.radius = 0.2; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.surface.spinning = 1; }));
+  EXPECT_TRUE(differs([](Capsule& of) { of.filter.own_island = true; }));
 }
 
 // Everything that is added in turn moves as if the world began with it.
