@@ -23,8 +23,8 @@ inline std::uint64_t word_at(const std::byte* from, std::size_t count = 8) {
   return word;
 }
 
-/// Takes in all members of what describes scenes and settings. Structs are listed by all their members, below
-/// or where archives find them, so that a new member does not compile before it is listed.
+/// Takes in all members of what describes scenes and settings. Functions visit_members() list them, so that a
+/// new one does not compile before it is listed.
 class Digest {
  public:
   std::uint64_t value() const { return sum_; }
