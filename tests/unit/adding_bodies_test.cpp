@@ -213,6 +213,24 @@ TEST(AddingBodies, DoAsTheyWouldFromTheStart) {
   });
 }
 
+// A world that began with ground alone keeps an accuracy for what comes.
+TEST(AddingBodies, KeepTheAccuracyOfTheWorld) {
+  Scene whole = floor_alone();
+  add_crate(whole, {0, 0.5, 0});
+  add_figure(whole, {3, 1.5, 0});
+  for (const Method method : {Method::automatic, Method::direct}) {
+    const Settings settings{.method = method, .accuracy = 1e-3};
+    World grown(floor_alone(), settings), begun(whole, settings);
+    grown.add(crate({0, 0.5, 0}));
+    grown.add(figure({3, 1.5, 0}));
+    step(grown, 30);
+    step(begun, 30);
+    // The accuracy is relative to the size of the first addition, and of the whole scene.
+    for (std::uint32_t i = 0; i < 3; ++i)
+      EXPECT_LE(norm(grown.pose(i).position - begun.pose(i).position), 1e-2);
+  }
+}
+
 // A crate that is dropped on another comes to rest on it, its forces are its weight, and its number goes on.
 TEST(AddingBodies, GetTheNumbersOfThoseThatAreGone) {
   Scene scene = floor_alone();

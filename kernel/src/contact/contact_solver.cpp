@@ -52,6 +52,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       settings_(scaled(settings.contact)),
       time_order_(time_order_of(settings)),
       surroundings_(scene),
+      is_controlled_(settings.accuracy.has_value()),
       gradient_(gradient_for(settings)) {
   for (unsigned part = 0; part < settings.threads; ++part)
     movers_.push_back(make_mover(settings, isa_, settings_));
@@ -83,7 +84,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   begin_pulls(settings);
   visitors_.resize(states_.size());
   rooms_.resize(states_.size());
-  histories_.resize(settings.accuracy ? states_.size() : 0);
+  histories_.resize(is_controlled_ ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
 }
 
@@ -171,7 +172,7 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                               Tally& report) {
-  const ClusterRules rules{count, time_order_, !histories_.empty(), team_};
+  const ClusterRules rules{count, time_order_, is_controlled_, team_};
   movers_[part]->step(cluster(piece), surroundings_, rules, h * count, report);
   return 0;
 }

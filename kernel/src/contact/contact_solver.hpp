@@ -260,9 +260,10 @@ class ContactSolver final : public Solver {
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
     auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, sums,
-           numbers, grabs, states, visitors, is_plain, histories, first_slot, island_of, owners, names, rooms,
-           gradient, ground_pushes, contacts, counts_pulls, counts_touches, lists_contacts, is_listed,
-           clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+           numbers, grabs, states, visitors, is_plain, is_controlled, histories, first_slot, island_of,
+           owners, names, rooms, gradient, ground_pushes, contacts, counts_pulls, counts_touches,
+           lists_contacts, is_listed, clusters, pieces, work_of_pieces, team, returned, woken, rests, work,
+           movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);
@@ -297,7 +298,6 @@ class ContactSolver final : public Solver {
   template <class IsPlain, class F>
   void replace(std::span<const std::uint32_t> islands, const NamedPart& by, IsPlain&& plain, F&& f);
   void retire(std::uint32_t island);
-  void end_island(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t kind_like(const Scene& part);
   std::size_t add_kind(const Scene& part);
@@ -371,6 +371,7 @@ class ContactSolver final : public Solver {
   std::vector<LinkageState> states_;
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
+  bool is_controlled_;                  ///< An accuracy is set, and islands have histories.
   std::vector<History> histories_;
   std::vector<Slot> first_slot_;          ///< by island's number
   std::vector<std::uint32_t> island_of_;  ///< the island of each slot

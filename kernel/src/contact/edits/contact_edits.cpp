@@ -298,7 +298,7 @@ void ContactSolver::make_room(std::uint32_t count) {
   names_.resize(count);
   rooms_.resize(count);
   visitors_.resize(count);
-  if (!histories_.empty()) histories_.resize(count);
+  if (is_controlled_) histories_.resize(count);
   clusters_.grow(states_);
 }
 
