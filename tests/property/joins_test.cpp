@@ -232,7 +232,6 @@ TEST(Joins, AreRefusedWithAReason) {
   expect_refusal("is 9 m long, and its ends", [&] { world.join({.a = 3, .b = 10, .length = 9}); });
   expect_refusal("slowed by air", [&] { world.join({.a = 3, .b = 10, .mass = 1, .linear_drag = 1}); });
   expect_refusal("rod 0: length is negative", [&] { world.join({.a = 3, .b = 10, .length = -1}); });
-  expect_refusal("particle 14: its island has joints", [&] { world.join({.a = 3, .b = 14}); });
   EXPECT_TRUE(test::snapshot_of(world) == before);
   const Handle<Rod> waiting = world.join({.a = 3, .b = 10});
   expect_refusal("is joined in the next step", [&] { world.set_length(waiting.number, 1); });

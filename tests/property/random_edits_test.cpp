@@ -100,7 +100,7 @@ struct Twins {
   World one, two;
   std::vector<double> masses, of_bodies;  // kg; the former with the latter
   std::vector<std::uint32_t> ropes;       // at the start, by particle
-  std::vector<Handle<Particle>> gone;
+  std::vector<Handle<Particle>> gone, fixed;
   std::uint32_t rods;  // at the start, of 0.1 m each
   double frame = 1.0 / 240;
 
@@ -188,11 +188,16 @@ bool edit(Twins& twins, Random& random) {
     return false;
   }
   if (kind == 6) {
-    both([&](World& world) { world.fix(particle); });
+    if (both([&](World& world) { world.fix(particle); }))
+      twins.fixed.push_back(twins.one.handle<Particle>(particle));
     return true;
   }
   if (kind == 9) {
-    both([&](World& world) { world.free(particle); });
+    // One that was fixed, if any was: most are free.
+    std::erase_if(twins.fixed, [&](Handle<Particle> each) { return !twins.one.has(each); });
+    const std::uint32_t held =
+        twins.fixed.empty() ? particle : twins.one.number(twins.fixed[particle % twins.fixed.size()]);
+    both([&](World& world) { world.free(held); });
     return true;
   }
   if (kind == 15) {
@@ -266,8 +271,9 @@ void expect_begun_anew(World& world, double dt) {
   const auto remembers = [](const StepReport& of) {
     return of.guarded_energy + of.trimmed_energy + of.unsolved + of.fallbacks > 0;
   };
+  const Gradient by_default = world.info().linkages > 0 ? Gradient::old : Gradient::mid;
   const bool is_solved = settings.method != Method::relax &&
-                         settings.gradient.value_or(Gradient::mid) == Gradient::mid && !remembers(one) &&
+                         settings.gradient.value_or(by_default) == Gradient::mid && !remembers(one) &&
                          !remembers(other);
   // Rods that turn by a radian a substep, and those that have just been wound, have velocities along them.
   if (is_solved && anew.info().projected_velocity <= 1e-8) {
@@ -289,6 +295,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
   with_two.threads = 2;
   Twins twins{World(scene, settings),
               World(scene, with_two),
+              {},
               {},
               {},
               {},

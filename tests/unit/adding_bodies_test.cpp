@@ -15,6 +15,7 @@
 #include "scene/lists/digest.hpp"
 #include "scene/lists/scene_members.hpp"
 #include "support/edited_worlds.hpp"
+#include "support/figures.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -24,102 +25,14 @@ using test::expect_refusal;
 
 constexpr double frame = 1.0 / 60, half = 0.1;
 
-/// Appends a cube of 1 kg with sides of 0.2 m, and returns its body.
-std::uint32_t add_crate(Scene& scene, Vec3 center) {
-  const std::uint32_t body =
-      add_body(scene, {.mass = 1, .center = center, .inertia = {.xx = 0.007, .yy = 0.007, .zz = 0.007}});
-  scene.hulls.push_back(box_on_body(body, {.center = center, .half_size = {half, half, half}}));
-  return body;
-}
-
-/// Appends two bodies with capsules, which a ball joint, a limited and driven angle, an alignment, a spring
-/// and a torsion hold together.
-void add_figure(Scene& scene, Vec3 at) {
-  const MassProperties limb{.mass = 1, .center = at, .inertia = {.xx = 0.02, .yy = 0.004, .zz = 0.02}};
-  MassProperties lower = limb;
-  lower.center = at - Vec3{0, 0.4, 0};
-  const std::uint32_t a = add_body(scene, limb), b = add_body(scene, lower);
-  const Vec3 middle = at - Vec3{0, 0.2, 0};
-  add_spherical(scene, point_on_body(scene, a, middle), point_on_body(scene, b, middle));
-  const auto way = [&](std::uint32_t body, Vec3 from, Vec3 to) {
-    return Direction{point_on_body(scene, body, from), point_on_body(scene, body, to)};
-  };
-  scene.angles.push_back({.u = way(a, at, at + Vec3{0, 0, 1}),
-                          .v = way(b, middle, middle - Vec3{0, 1, 0}),
-                          .lower = 1.2,
-                          .upper = 1.9,
-                          .stiffness = 2,
-                          .damping = 0.1});
-  scene.alignments.push_back({way(a, at, at + Vec3{1, 0, 0}), way(b, middle, middle - Vec3{0, 1, 0})});
-  scene.springs.push_back({.a = point_on_body(scene, a, at + Vec3{0.1, 0, 0}),
-                           .b = point_on_body(scene, b, lower.center + Vec3{0.1, 0, 0}),
-                           .length = 0.35,
-                           .stiffness = 5,
-                           .damping = 0.1});
-  const Direction axis = way(a, middle, middle + Vec3{1, 0, 0});
-  scene.torsions.push_back({.axis = axis,
-                            .u = way(a, middle, middle + Vec3{0, 1, 0}),
-                            .v = way(b, middle, middle + Vec3{0, 1, 0}),
-                            .angle = 0.2,
-                            .stiffness = 1,
-                            .damping = 0.1});
-  for (const std::uint32_t body : {a, b}) {
-    const Vec3 center = body == a ? at : lower.center;
-    scene.capsules.push_back({.a = point_on_body(scene, body, center + Vec3{0, 0.1, 0}),
-                              .b = point_on_body(scene, body, center - Vec3{0, 0.1, 0}),
-                              .radius = 0.05});
-  }
-}
-
-/// Appends a hose that gives and bends, with capsules, and hangs from its first particle if that is fixed.
-void add_hose(Scene& scene, Vec3 from, bool is_fixed) {
-  const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (std::uint32_t i = 0; i <= 3; ++i)
-    scene.particles.push_back(
-        {.position = from + Vec3{0.1 * i, 0, 0}, .mass = 0.2, .fixed = is_fixed && i == 0});
-  for (std::uint32_t i = first; i < first + 3; ++i) {
-    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1, .law = {.stiffness = 4e3, .damping = 1}});
-    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
-  }
-  for (std::uint32_t i = first; i < first + 2; ++i)
-    scene.bends.push_back({.a = i, .b = i + 1, .c = i + 2, .stiffness = 0.05, .damping = 1e-3});
-}
-
-Scene crate(Vec3 center) {
-  Scene out;
-  add_crate(out, center);
-  return out;
-}
-Scene figure(Vec3 at) {
-  Scene out;
-  add_figure(out, at);
-  return out;
-}
-Scene hose(Vec3 from, bool is_fixed) {
-  Scene out;
-  add_hose(out, from, is_fixed);
-  return out;
-}
-
-Scene floor_alone() {
-  Scene scene;
-  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
-  return scene;
-}
-
-template <class F>
-void for_settings(F&& f) {
-  for (const Method method : {Method::automatic, Method::direct, Method::relax})
-    for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_})
-      for (const unsigned threads : {1u, 2u}) {
-        SCOPED_TRACE(std::string(to_string(method)) + ' ' + std::string(to_string(gradient)) + ' ' +
-                     std::to_string(threads));
-        Settings settings{.method = method, .gradient = gradient, .substeps = 4, .threads = threads};
-        settings.tensions = settings.contacts = settings.events = true;
-        if (method == Method::relax) settings.stop.sweeps = 30;
-        f(settings);
-      }
-}
+using test::add_crate;
+using test::add_figure;
+using test::add_hose;
+using test::crate;
+using test::figure;
+using test::floor_alone;
+using test::for_jointed_settings;
+using test::hose;
 
 void step(World& world, int times) {
   for (int i = 0; i < times; ++i) world.step(frame);
@@ -193,7 +106,7 @@ TEST(AddingBodies, DoAsTheyWouldFromTheStart) {
   add_figure(whole, {0, 0.9, 0});
   add_crate(whole, {0.1, 1.5, 0.02});
   add_hose(whole, {0.3, 0.5, -0.05}, true);
-  for_settings([&](const Settings& settings) {
+  for_jointed_settings([&](const Settings& settings) {
     if (settings.method == Method::relax && settings.gradient == Gradient::new_) return;  // not its own
     World begun(whole, settings), grown(floor_alone(), settings);
     EXPECT_EQ(grown.add(figure({0, 0.9, 0})).torsion, 0u);
@@ -279,7 +192,7 @@ TEST(AddingBodies, GetTheNumbersOfThoseThatAreGone) {
 
 // Removing and adding keeps memory, and a fresh world that is restored goes on alike.
 TEST(AddingBodies, ComeBackWithSnapshots) {
-  for_settings([](const Settings& settings) {
+  for_jointed_settings([](const Settings& settings) {
     World world(floor_alone(), settings);
     const Added gone = world.add(figure({5, 0.9, 0}));
     world.add(crate({0, 0.3, 0}));
@@ -325,7 +238,7 @@ TEST(AddingBodies, LeaveNothingOnceTheyAreGone) {
 
 // Other settings take them over, edits know them, and motion goes on without a jump.
 TEST(AddingBodies, AreMovedByOtherSettings) {
-  for_settings([](const Settings& settings) {
+  for_jointed_settings([](const Settings& settings) {
     World world(floor_alone(), settings);
     const Added added = world.add(figure({0, 0.9, 0}));
     const Added hung = world.add(hose({1, 0.5, 0}, true));

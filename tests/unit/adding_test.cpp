@@ -403,7 +403,6 @@ TEST(Adding, TakesBendsAndTackles) {
     EXPECT_NEAR(world.tackle_power(1), fresh.tackle_power(1), 1e-8);
   }
   expect_refusal("particle 11: is of tackle 1", [&] { world.fix(11); });
-  expect_refusal("particle 5: is of bend 0", [&] { world.fix(5); });
   world.remove(11);
   expect_refusal("tackle 1: was removed", [&] { (void)world.tackle_tension(1); });
   expect_refusal("tackle 1: was removed", [&] { world.set_tackle_length(1, 2); });

@@ -169,27 +169,29 @@ class PLUMB_API World {
   /// one between places that nothing else joins then. What lies on the island wakes.
   ///
   /// Throws InputError on an unknown rod, and where an island cannot be made anew. That is one with reels, or
-  /// with a twist that does not end. So it does on a rod between particles of a body, and on one whose mass
-  /// joins its ends (MassModel::consistent), if its island has particles, rods and shapes alone.
+  /// with a twist that does not end. So it does on a rod between particles of a body.
   void cut(std::uint32_t rod);
   /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
   /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
   /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
   /// that is free, or new; cut() before the next step gives it back.
   ///
-  /// Throws InputError as fix() does, on rods that validate() refuses or that do not fit between their ends,
-  /// and on ends that are both fixed or joined already. So it does on what would bring islands with shapes
-  /// together with bends, tackles or rods that give. Messages of validate() call the rod rod 0.
+  /// Throws InputError as cut() does, on rods that validate() refuses or that air slows, and on those that do
+  /// not fit between their ends. It does so on ends that are both fixed or joined already, and on what would
+  /// bring islands with shapes or joints together with tackles. Messages of validate() call the rod rod 0.
   Handle<Rod> join(const Rod& rod);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end, and so do
-  /// capsules between fixed ones. Throws InputError as cut() does, on particles of bends, tackles, twists,
-  /// reels and wound rods to fixed ones, and islands with joints, springs, air, or shapes and rods that give.
+  /// capsules between fixed ones. What hangs from it goes on with velocities that its rods and joints allow.
+  /// Throws InputError as cut() does, and on particles of tackles, twists, reels and wound rods to fixed
+  /// ones. So it does where a rod of a bend would have both ends fixed, or nothing of a body or joint could
+  /// move.
   void fix(std::uint32_t particle);
-  /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
-  /// as fix() and join() do, if it has no mass, and if it holds a capsule of the ground. So it does if a
-  /// rigid rod to another fixed one is off its length, unless the method is relax.
+  /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. All that hangs
+  /// from it comes together. Throws InputError as fix() and join() do, if it has no mass, and if it holds a
+  /// capsule or is of a body of the ground. So it does if a rigid rod to another fixed one is off its length,
+  /// unless the method is relax.
   void free(std::uint32_t particle);
   /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
   /// does, and on a mass that is not positive and finite.

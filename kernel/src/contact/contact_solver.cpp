@@ -265,6 +265,39 @@ Vec3 ContactSolver::velocity(Slot slot) const {
   return is_fixed(slot) ? Vec3{} : state_of(slot).v[local(slot)];
 }
 
+// These make no virtual call for each, since nothing is derived from this class.
+void ContactSolver::read_positions(std::span<const Run> runs, Vec3* out) const {
+  for (const Run& run : runs)
+    if (run.is_in_turn())
+      copy_positions(run, out);
+    else
+      run.read_slots(out, [this](Slot slot) { return position(slot); });
+}
+
+void ContactSolver::read_velocities(std::span<const Run> runs, Vec3* out) const {
+  for (const Run& run : runs) run.read_slots(out, [this](Slot slot) { return velocity(slot); });
+}
+
+/// Copies those of a run of one slot after the other, island by island. Each lies elsewhere, so that memory
+/// is asked for some of the next ahead.
+void ContactSolver::copy_positions(const Run& run, Vec3* out) const {
+  constexpr std::uint32_t near = 6, far = 12;
+  Vec3* to = out + run.first;
+  for (Slot slot = run.slot, end = run.slot + run.count; slot < end;) {
+    const std::uint32_t island = island_of_[slot];
+    if (island + far < states_.size()) {
+      __builtin_prefetch(&states_[island + far].x);
+      __builtin_prefetch(states_[island + near].x.data());
+    }
+    const std::vector<Vec3>& x = states_[island].x;
+    std::uint32_t i = slot - first_slot_[island];
+    for (; i < x.size() && slot < end; ++i, ++slot) {
+      const Vec3 at = x[i];
+      *to++ = {at.x, at.y, at.z};
+    }
+  }
+}
+
 void ContactSolver::add_to_hash(Slot slot, StateHash& hash) const {
   hash.add<double>(position(slot));
   hash.add<double>(velocity(slot));

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
 #include "contact/edits/given_numbers.hpp"
+#include "contact/edits/meeting.hpp"
 #include "contact/edits/part_edits.hpp"
 #include "contact/grabs/linkage_grabs.hpp"
 #include "contact/linkage/scene_parts.hpp"
@@ -77,9 +79,17 @@ class ContactSolver final : public Solver {
   /// Makes islands anew with what is listed of them, as the islands that they are then. They end themselves.
   /// Those of particles and rods are plain again, if they have shapes; without, a home alone moves them.
   std::vector<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
-  /// Does so with plain islands that come together, with each other or with some that have no shapes. `now`
-  /// has particles and rigid rods of all of them, edited, where they are; capsules come from the islands.
-  std::vector<Made> make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, NamedPart now);
+  /// Makes islands anew that come together. Shapes of plain ones go on where rods still join their places.
+  std::vector<Made> make_met(Meeting of);
+  /// Takes from the velocities of an island without a home what its constraints forbid since it was edited.
+  void project_edited_velocities(std::uint32_t island);
+  /// Returns what of a particle's island, such as "pin 3", could not move if it stood, with those that are
+  /// marked by number. It is empty if there is nothing.
+  std::string held_by(Slot slot, std::span<const std::uint8_t> is_fixed) const;
+  /// Returns whether a body of the scene is here, rather than ground.
+  bool has_body(std::uint32_t body) const {
+    return body < owners_.bodies.size() && owners_.bodies[body].island < ended;
+  }
   GivenNumbers& numbers() { return numbers_; }
   /// Has so many numbers. Nothing has those that are new.
   void resize_islands(std::uint32_t count);
@@ -231,17 +241,8 @@ class ContactSolver final : public Solver {
 
   Vec3 position(Slot slot) const override { return state_of(slot).x[local(slot)]; }
   Vec3 velocity(Slot slot) const override;
-  /// These make no virtual call for each, since nothing is derived from this class.
-  void read_positions(std::span<const Run> runs, Vec3* out) const override {
-    for (const Run& run : runs)
-      if (run.is_in_turn())
-        copy_positions(run, out);
-      else
-        run.read_slots(out, [this](Slot slot) { return position(slot); });
-  }
-  void read_velocities(std::span<const Run> runs, Vec3* out) const override {
-    for (const Run& run : runs) run.read_slots(out, [this](Slot slot) { return velocity(slot); });
-  }
+  void read_positions(std::span<const Run> runs, Vec3* out) const override;
+  void read_velocities(std::span<const Run> runs, Vec3* out) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
@@ -294,9 +295,15 @@ class ContactSolver final : public Solver {
   void take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const;
   void take_laws(const ContactSolver& from);
   NamedPart named_part(std::uint32_t island) const;
+  void copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number, LinkageState& to,
+                 bool with_plain_lengths) const;
+  void begin_met(const Met& met, std::span<const std::uint32_t> names, std::span<const std::uint32_t> order,
+                 LinkageState& state) const;
   static void edit(NamedPart& part, const PartEdits& edits);
-  template <class IsPlain, class F>
-  void replace(std::span<const std::uint32_t> islands, const NamedPart& by, IsPlain&& plain, F&& f);
+  using IsPlain = std::function<bool(const SceneParts& parts, std::uint32_t part)>;
+  using GoOn = std::function<void(const SceneParts& parts, std::uint32_t part, LinkageState& state)>;
+  void replace(std::span<const std::uint32_t> islands, const NamedPart& by, const IsPlain& plain,
+               const GoOn& go_on);
   void retire(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t kind_like(const Scene& part);
@@ -328,25 +335,7 @@ class ContactSolver final : public Solver {
   void list_contacts();
   LinkageState& state_of(Slot slot) { return states_[island_of_[slot]]; }
   const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
-  /// Copies those of a run of one slot after the other, island by island. Each lies elsewhere, so that memory
-  /// is asked for some of the next ahead.
-  void copy_positions(const Run& run, Vec3* out) const {
-    constexpr std::uint32_t near = 6, far = 12;
-    Vec3* to = out + run.first;
-    for (Slot slot = run.slot, end = run.slot + run.count; slot < end;) {
-      const std::uint32_t island = island_of_[slot];
-      if (island + far < states_.size()) {
-        __builtin_prefetch(&states_[island + far].x);
-        __builtin_prefetch(states_[island + near].x.data());
-      }
-      const std::vector<Vec3>& x = states_[island].x;
-      std::uint32_t i = slot - first_slot_[island];
-      for (; i < x.size() && slot < end; ++i, ++slot) {
-        const Vec3 at = x[i];
-        *to++ = {at.x, at.y, at.z};
-      }
-    }
-  }
+  void copy_positions(const Run& run, Vec3* out) const;
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
   bool is_fixed(Slot slot) const { return local(slot) >= state_of(slot).linkage->movable(); }
   void wake_carried();

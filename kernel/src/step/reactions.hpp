@@ -73,6 +73,13 @@ class Reactions {
     add_rod(scene, model, rod, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
     insert_from(before, anchors);
   }
+  /// Looks again at all bodies, of which particles were fixed or freed. `bodies` knows which there are.
+  template <class Bodies, class Anchors>
+  void refix_bodies(const Scene& scene, const Bodies& bodies, const Anchors& anchors) {
+    std::erase_if(held_, [](const Held& held) { return held.rod == no_rod; });
+    for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
+      if (bodies.has(i)) insert_body(scene, i, anchors);
+  }
   /// Looks at a body that is new. Its particles have the world's numbers.
   template <class Anchors>
   void insert_body(const Scene& scene, std::uint32_t body, const Anchors& anchors) {

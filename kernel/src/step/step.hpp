@@ -256,6 +256,10 @@ class Step {
   PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;
   std::vector<std::uint32_t> meeting(const Edits& edits) const;
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
+  void go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made);
+  bool holds_linkage(std::uint32_t particle) const;
+  std::vector<std::uint32_t> bends_at(std::uint32_t particle) const;
+  std::vector<std::uint32_t> bent_with(std::uint32_t particle) const;
   void forget(const Names& gone);
   void drop_edits(const Names& of);
   void order(const Edits& edits, bool is_ordered);
@@ -265,6 +269,7 @@ class Step {
   void require_joinable(const Rod& rod) const;
   void put_joined(const Edits& edits);
   void set_state(Fallen& fallen, const Split& now) const;
+  void set_held_state(Fallen& fallen, const Split& now) const;
   void settle(Fallen fallen, Split& now) const;
   void change_gravity();
   void apply_gravity(Vec3 gravity);
@@ -280,10 +285,11 @@ class Step {
   void require_fit_of_fixed(std::uint32_t particle) const;
   void require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const;
   double misfit_now(std::uint32_t rod, double distance) const;
-  void require_refixable(std::uint32_t particle) const;
+  std::vector<std::uint32_t> bodies_at(std::uint32_t particle) const;
+  void require_mass(std::uint32_t particle) const;
+  void require_refixable(std::uint32_t particle, bool is_fixed) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
-  void require_no_joints(const char* what, std::uint32_t number, std::uint32_t particle) const;
-  void require_plain_meeting(const std::string& what, const Edits& edits) const;
+  void require_simple_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
   template <class F>

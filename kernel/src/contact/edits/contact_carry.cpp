@@ -35,12 +35,13 @@ auto ContactSolver::whereabouts() const -> Whereabouts {
 void ContactSolver::go_on_from(const ContactSolver& from) {
   copy_listed(from.surroundings_, surroundings_);
   wake_all();
-  const Whereabouts were = from.whereabouts();
+  Whereabouts were = from.whereabouts();
+  were.resize(std::max(were.size(), whereabouts().size()), {no_island, 0});
   for (LinkageState& state : states_) {
     if (state.linkage == nullptr) continue;
     const std::uint32_t island = were[state.particles.front()].first;
     take_motion(state, from, were);
-    if (visitors_[state.number].has_home() && !from.visitors_[island].is_at_home())
+    if (visitors_[state.number].has_home() && island != no_island && !from.visitors_[island].is_at_home())
       visitors_[state.number].stay();
   }
   take_laws(from);
@@ -54,18 +55,24 @@ void ContactSolver::go_on_from(const ContactSolver& from) {
   if (counts_pulls_ == from.counts_pulls_) ground_pushes_ = from.ground_pushes_;
 }
 
-/// Takes how particles of an island move. Anchors are put where they are by others.
+/// Takes how particles of an island move that were here. Others are put where they are, as anchors are, and
+/// so are those that a home moved and none moves now.
 void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
                                 const Whereabouts& were) const {
   const std::uint32_t movable = state.linkage->movable();
   for (std::uint32_t k = 0; k < movable; ++k) {
     const auto [island, number] = were[state.particles[k]];
+    if (island == no_island || (from.visitors_[island].is_at_home() && !visitors_[state.number].has_home()))
+      continue;
     const LinkageState& was = from.states_[island];
     state.x[k] = was.x[number];
     state.v[k] = is_finite(was.v[number]) ? was.v[number] : Vec3{};
     if (!relaxes_ && !from.relaxes_ && state.gradient == was.gradient)
       state.acceleration[k] = was.acceleration[number];
   }
+  state.factored = false;
+  state.energy.reset();
+  if (were[state.particles.front()].first == no_island) return;
   const LinkageState& was = from.states_[were[state.particles.front()].first];
   const std::uint32_t were_movable = was.linkage->movable();
   for (std::size_t k = movable; k < state.particles.size(); ++k)
@@ -73,8 +80,6 @@ void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
       if (was.particles[i] == state.particles[k])
         state.anchors_went[k - movable] = was.anchors_went[i - were_movable];
   state.slow_time = was.slow_time;
-  state.factored = false;
-  state.energy.reset();
 }
 
 /// Takes what the last step left of an island whose number is what it was. That is where the next one starts
@@ -151,9 +156,11 @@ void ContactSolver::sleep_as(const ContactSolver& from) {
   for (const LinkageState& state : states_) {
     if (state.linkage == nullptr || state.asleep) continue;
     const auto movable = state.particles.begin() + static_cast<std::ptrdiff_t>(state.linkage->movable());
-    if (std::all_of(state.particles.begin(), movable,
-                    [&](std::uint32_t particle) { return from.states_[were[particle].first].asleep; }))
-      clusters_.fall_asleep(state.number);
+    const auto was_asleep = [&](std::uint32_t particle) {
+      return particle < were.size() && were[particle].first != no_island &&
+             from.states_[were[particle].first].asleep;
+    };
+    if (std::all_of(state.particles.begin(), movable, was_asleep)) clusters_.fall_asleep(state.number);
   }
 }
 

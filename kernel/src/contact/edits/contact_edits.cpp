@@ -1,8 +1,6 @@
 // This file makes islands of the contact solver anew that a program edits, and ends those that are removed.
 
 #include <algorithm>
-#include <map>
-#include <numeric>
 #include <set>
 #include <span>
 
@@ -14,47 +12,21 @@ namespace plumb::detail {
 namespace {
 
 /// Copies how elastics pull and are numbered, from one state to another.
-void copy_elastics(const LinkageState& from, std::size_t first_from, LinkageState& to, std::size_t first_to,
-                   std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    to.laws[first_to + i] = from.laws[first_from + i];
-    to.elastic_numbers[first_to + i] = from.elastic_numbers[first_from + i];
+void copy_elastics(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
+                   Linkage::ElasticRange made) {
+  if (old.count != made.count) return;
+  for (std::size_t i = 0; i < old.count; ++i) {
+    to.laws[made.first + i] = from.laws[old.first + i];
+    to.elastic_numbers[made.first + i] = from.elastic_numbers[old.first + i];
   }
 }
 
-/// Lets the elastics and lengths of part `number` go on as they were: what programs changed of them, turns,
-/// and what broke.
-void copy_laws(const LinkageState& from, const NamedPart& whole, const SceneParts& parts,
-               std::uint32_t number, LinkageState& to) {
-  const Linkage &before = *from.linkage, &now = *to.linkage;
-  const auto copy = [&](Linkage::ElasticRange old, Linkage::ElasticRange made) {
-    if (old.count == made.count) copy_elastics(from, old.first, to, made.first, made.count);
-  };
-  const auto for_own = [&](std::span<const SceneParts::Share> shares, auto&& f) {
-    for (std::uint32_t i = 0; i < shares.size(); ++i)
-      if (shares[i].part == number) f(i, shares[i].number);
-  };
-  for_own(parts.shares().rods, [&](std::uint32_t i, std::uint32_t own) {
-    const auto made = now.elastic_of_rod(own), old = before.elastic_of_rod(whole.rods_were[i]);
-    if (!made || !old || whole.scene.rods[i].law.stiffness == 0) return;
-    copy_elastics(from, *old, to, *made, 1);
-    if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*old];
-  });
-  for_own(parts.shares().rods, [&](std::uint32_t i, std::uint32_t own) {
-    if (const RodLengths::Change* const change = from.lengths.find(whole.rods_were[i]))
-      to.lengths.take(*change, own, now.rods());
-  });
-  for_own(parts.shares().angles, [&](std::uint32_t i, std::uint32_t own) {
-    copy(before.elastics_of_angle(i), now.elastics_of_angle(own));
-    to.angle_rules[own] = from.angle_rules[i];
-  });
-  for_own(parts.shares().springs, [&](std::uint32_t i, std::uint32_t own) {
-    copy(before.elastics_of_spring(i), now.elastics_of_spring(own));
-  });
-  for_own(parts.shares().torsions, [&](std::uint32_t i, std::uint32_t own) {
-    copy(before.elastics_of_torsion(i), now.elastics_of_torsion(own));
-  });
-  to.follow_elastics();
+/// Lets a rod go on as it did in another island. `lives` is false for one that pulls nothing any more.
+void copy_rod(const LinkageState& from, std::uint32_t old, LinkageState& to, std::uint32_t own, bool lives) {
+  const auto made = to.linkage->elastic_of_rod(own), was = from.linkage->elastic_of_rod(old);
+  if (!made || !was || !lives) return;
+  copy_elastics(from, {static_cast<std::uint32_t>(*was), 1}, to, {static_cast<std::uint32_t>(*made), 1});
+  if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*was];
 }
 
 }  // namespace
@@ -98,15 +70,6 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
   is_relaxed = from.is_relaxed;
 }
 
-void LinkageState::begin_in(const Scene& scene, std::span<const std::uint32_t> of, const LinkageState& like) {
-  for (std::uint32_t k = 0; k < of.size(); ++k) {
-    x[k] = scene.particles[of[k]].position;
-    v[k] = k < linkage->movable() ? scene.particles[of[k]].velocity : Vec3{};
-  }
-  gradient = like.gradient;
-  asleep = false;
-}
-
 /// Returns an island as its kind was made, with the scene's numbers of what it has.
 NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
@@ -115,9 +78,44 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
   out.scene.gravity = linkages_[kind]->gravity();
   out.names = names_[island];
   out.names.particles = states_[island].particles;
-  out.rods_were.resize(out.names.rods.size());
-  std::iota(out.rods_were.begin(), out.rods_were.end(), 0u);
   return out;
+}
+
+/// Lets the elastics and lengths of part `number` go on as in the islands where they were: what programs
+/// changed of them, turns, and what broke. Homes tell the lengths of rods of plain islands by themselves.
+void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number,
+                              LinkageState& to, bool with_plain_lengths) const {
+  const auto for_own = [&](const std::vector<std::uint32_t>& names, const std::vector<Owner>& owners,
+                           std::span<const SceneParts::Share> shares, auto&& f) {
+    for (std::uint32_t i = 0; i < shares.size(); ++i) {
+      if (shares[i].part != number || names[i] >= owners.size() || owners[names[i]].island >= ended) continue;
+      f(i, shares[i].number, states_[owners[names[i]].island], owners[names[i]].number);
+    }
+  };
+  const ByKind<std::vector<SceneParts::Share>>& shares = parts.shares();
+  for_own(whole.names.rods, owners_.rods, shares.rods,
+          [&](std::uint32_t i, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
+            copy_rod(from, old, to, own, whole.scene.rods[i].law.stiffness != 0);
+            const RodLengths::Change* const change = from.lengths.find(old);
+            if (change && (with_plain_lengths || is_plain_[from.number] == 0))
+              to.lengths.take(*change, own, to.linkage->rods());
+          });
+  for_own(whole.names.angles, owners_.angles, shares.angles,
+          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
+            copy_elastics(from, from.linkage->elastics_of_angle(old), to, to.linkage->elastics_of_angle(own));
+            to.angle_rules[own] = from.angle_rules[old];
+          });
+  for_own(whole.names.springs, owners_.springs, shares.springs,
+          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
+            copy_elastics(from, from.linkage->elastics_of_spring(old), to,
+                          to.linkage->elastics_of_spring(own));
+          });
+  for_own(whole.names.torsions, owners_.torsions, shares.torsions,
+          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
+            copy_elastics(from, from.linkage->elastics_of_torsion(old), to,
+                          to.linkage->elastics_of_torsion(own));
+          });
+  to.follow_elastics();
 }
 
 /// Lets nothing move an island any more, nor find it.
@@ -146,19 +144,18 @@ std::size_t ContactSolver::kind_number(const LinkageState& state) const {
   return kind;
 }
 
-/// Lets the islands of an edited part take the place of those of which it was made. f(parts, p, state) lets
-/// the state of island p go on. plain(part) says whether one may go home; without shapes it is left there.
-template <class IsPlain, class F>
-void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, IsPlain&& plain,
-                            F&& f) {
+/// Lets the islands of an edited part take the place of those of which it was made. go_on() does what lets
+/// the state of one go on. plain() says whether one may go home; without shapes it is left there.
+void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, const IsPlain& plain,
+                            const GoOn& go_on) {
   const SceneParts parts(by.scene);
   std::vector<std::uint32_t> numbers(parts.count(), ended);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     const Scene& part = parts.part(p);
-    const bool may_go_home = plain(part);
+    const bool may_go_home = plain(parts, p);
     if (may_go_home && part.capsules.empty()) continue;
     numbers[p] = begin_island(kind_like(part), part, may_go_home);
-    f(parts, p, states_[numbers[p]]);
+    go_on(parts, p, states_[numbers[p]]);
   }
   clusters_.grow(states_);
   for (const std::uint32_t number : numbers)
@@ -175,10 +172,10 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
     NamedPart part = named_part(island);
     edit(part, edits);
     const bool plain = is_plain_[island] != 0, visits = plain && !visitors_[island].is_at_home();
-    const auto stays_plain = [plain](const Scene&) { return plain; };
+    const auto stays_plain = [plain](const SceneParts&, std::uint32_t) { return plain; };
     const auto go_on = [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
       state.go_on_from(states_[island], parts.particles(p));
-      copy_laws(states_[island], part, parts, p, state);
+      copy_laws(part, parts, p, state, true);
       out.push_back({state.number, visits});
     };
     replace({&island, 1}, part, stays_plain, go_on);
@@ -186,48 +183,10 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
   return out;
 }
 
-auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, NamedPart now)
-    -> std::vector<Made> {
-  std::vector<NamedPart> before;
-  std::set<std::uint32_t> visiting;
-  std::map<std::uint32_t, Vec3> went;  // by anchor
-  for (const std::uint32_t island : islands) {
-    clusters_.wake(island);  // and what lies on it
-    const LinkageState& state = states_[island];
-    NamedPart& part = before.emplace_back(named_part(island));
-    for (const std::uint32_t rod : edits.cut) part.cut(rod);
-    if (!visitors_[island].is_at_home())
-      visiting.insert(part.names.particles.begin(), part.names.particles.end());
-    for (std::size_t k = state.linkage->movable(); k < part.names.particles.size(); ++k)
-      went[part.names.particles[k]] = state.anchors_went[k - state.linkage->movable()];
-  }
-  now.rods_were.resize(now.names.rods.size());
-  std::iota(now.rods_were.begin(), now.rods_were.end(), 0u);
-  now.take_capsules(before);
-  now.end_fixed();
-  now.end_torn_capsules(nullptr);
-  std::vector<Made> out;
-  const auto are_plain = [](const Scene&) { return true; };
-  replace(islands, now, are_plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
-    state.begin_in(now.scene, parts.particles(p), states_[islands.front()]);
-    const std::uint32_t movable = state.linkage->movable();
-    bool visits = false;
-    for (const std::uint32_t own : parts.particles(p)) {
-      const std::uint32_t particle = now.names.particles[own];
-      const auto k = static_cast<std::uint32_t>(state.particles.size());
-      state.particles.push_back(particle);
-      visits = visits || (k < movable && visiting.contains(particle));
-      if (const auto at = went.find(particle); k >= movable && at != went.end())
-        state.anchors_went[k - movable] = at->second;
-    }
-    out.push_back({state.number, visits});
-  });
-  return out;
-}
-
 auto ContactSolver::add(const NamedPart& part) -> std::vector<Made> {
   std::vector<Made> out;
-  replace({}, part, is_plain, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
+  const auto may_go_home = [](const SceneParts& parts, std::uint32_t p) { return is_plain(parts.part(p)); };
+  replace({}, part, may_go_home, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
     for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.names.particles[own]);
     if (is_plain_[state.number] == 0) state.gradient = gradient_;
     out.push_back({state.number, false});

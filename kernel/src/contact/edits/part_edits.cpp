@@ -1,7 +1,7 @@
 #include "contact/edits/part_edits.hpp"
 
 #include <algorithm>
-#include <map>
+#include <iterator>
 
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/platforms/anchored.hpp"
@@ -53,8 +53,8 @@ void NamedPart::cut(std::uint32_t number) {
   const auto is_along = [&](std::uint32_t one, std::uint32_t two) {
     return std::min(one, two) == ends[0] && std::max(one, two) == ends[1];
   };
-  std::erase_if(scene.bends,
-                [&](const Bend& bend) { return is_along(bend.a, bend.b) || is_along(bend.b, bend.c); });
+  erase_numbered(scene.bends, names.bends,
+                 [&](const Bend& bend) { return is_along(bend.a, bend.b) || is_along(bend.b, bend.c); });
   erase_numbered(scene.capsules, names.capsules,
                  [&](const Capsule& capsule) { return particles_of(capsule) == ends; });
   if (mass.ab != 0) {
@@ -63,50 +63,48 @@ void NamedPart::cut(std::uint32_t number) {
   }
   scene.particles[rod.a].mass += mass.aa;
   scene.particles[rod.b].mass += mass.bb;
-  erase_rod(index);
-}
-
-void NamedPart::take_capsules(std::span<const NamedPart> from) {
-  std::map<std::uint32_t, std::uint32_t> here;
-  for (std::uint32_t k = 0; k < names.particles.size(); ++k) here[names.particles[k]] = k;
-  std::map<std::uint32_t, Capsule> taken;
-  for (const NamedPart& part : from)
-    for (std::size_t i = 0; i < part.names.capsules.size(); ++i) {
-      Capsule& capsule = taken[part.names.capsules[i]] = part.scene.capsules[i];
-      for (Point* const point : {&capsule.a, &capsule.b})
-        for (std::size_t k = 0; k < point->particles.size(); ++k)
-          if (point->weights[k] != 0) {
-            const std::uint32_t own = point->particles[k], number = part.names.particles[own];
-            const auto [at, is_new] =
-                here.try_emplace(number, static_cast<std::uint32_t>(names.particles.size()));
-            if (is_new) {
-              names.particles.push_back(number);
-              scene.particles.push_back(part.scene.particles[own]);
-            }
-            point->particles[k] = at->second;
-          }
-    }
-  for (const auto& [number, capsule] : taken) {
-    names.capsules.push_back(number);
-    scene.capsules.push_back(capsule);
-  }
-}
-
-void NamedPart::erase_rod(std::size_t index) {
-  const auto at = static_cast<std::ptrdiff_t>(index);
-  scene.rods.erase(scene.rods.begin() + at);
-  names.rods.erase(names.rods.begin() + at);
-  rods_were.erase(rods_were.begin() + at);
+  const auto offset = static_cast<std::ptrdiff_t>(index);
+  scene.rods.erase(scene.rods.begin() + offset);
+  names.rods.erase(names.rods.begin() + offset);
 }
 
 void NamedPart::end_fixed() {
-  const auto is_held = [&](const Rod& rod) {
+  erase_numbered(scene.rods, names.rods, [&](const Rod& rod) {
     return scene.particles[rod.a].fixed && scene.particles[rod.b].fixed;
-  };
-  for (std::size_t i = scene.rods.size(); i-- > 0;)
-    if (is_held(scene.rods[i])) erase_rod(i);
+  });
   erase_numbered(scene.capsules, names.capsules,
                  [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
+}
+
+std::string NamedPart::held() const {
+  const auto moves = [&](std::uint32_t particle) { return !scene.particles[particle].fixed; };
+  const auto moves_any = [&](const Point& point) {
+    for (std::size_t k = 0; k < point.particles.size(); ++k)
+      if (point.weights[k] != 0 && moves(point.particles[k])) return true;
+    return false;
+  };
+  const auto turns_any = [&](const Direction& of) { return moves_any(of.from) || moves_any(of.to); };
+  const auto find = [](const char* what, const auto& list, const std::vector<std::uint32_t>& numbers,
+                       auto&& moves_some) {
+    const auto at = std::find_if_not(list.begin(), list.end(), moves_some);
+    const auto index = static_cast<std::size_t>(at - list.begin());
+    return at == list.end() ? std::string{} : what + (' ' + std::to_string(numbers[index]));
+  };
+  const std::string found[] = {
+      find("body", scene.bodies, names.bodies,
+           [&](const Body& of) { return std::any_of(of.particles.begin(), of.particles.end(), moves); }),
+      find("pin", scene.pins, names.pins, [&](const Pin& of) { return moves_any(of.a) || moves_any(of.b); }),
+      find("alignment", scene.alignments, names.alignments,
+           [&](const Alignment& of) { return turns_any(of.u) || turns_any(of.v); }),
+      find("angle", scene.angles, names.angles,
+           [&](const AngleControl& of) { return turns_any(of.u) || turns_any(of.v); }),
+      find("spring", scene.springs, names.springs,
+           [&](const Spring& of) { return moves_any(of.a) || moves_any(of.b); }),
+      find("torsion", scene.torsions, names.torsions,
+           [&](const Torsion& of) { return turns_any(of.axis) || turns_any(of.u) || turns_any(of.v); })};
+  const auto first =
+      std::find_if(std::begin(found), std::end(found), [](const std::string& each) { return !each.empty(); });
+  return first == std::end(found) ? std::string{} : *first;
 }
 
 void NamedPart::end_torn_capsules(const Scene* before) {
@@ -116,6 +114,43 @@ void NamedPart::end_torn_capsules(const Scene* before) {
   erase_numbered(scene.capsules, names.capsules, [&](const Capsule& capsule) {
     return joins_islands(scene, are, capsule) && !(before && joins_islands(*before, were, capsule));
   });
+}
+
+NamedPart joined(std::span<const NamedPart> parts) {
+  NamedPart out;
+  Names& names = out.names;
+  for (std::size_t kind = 0; kind < names.kinds; ++kind) {
+    std::vector<std::uint32_t>& all = *names.all()[kind];
+    for (const NamedPart& part : parts)
+      all.insert(all.end(), part.names.all()[kind]->begin(), part.names.all()[kind]->end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+  }
+  const auto place_in = [](const std::vector<std::uint32_t>& all, std::uint32_t number) {
+    return static_cast<std::uint32_t>(std::lower_bound(all.begin(), all.end(), number) - all.begin());
+  };
+  for_lists([&](std::size_t kind, auto& list) { list.resize(names.all()[kind]->size()); }, out.scene);
+  for (std::size_t i = parts.size(); i-- > 0;) {  // so that the first is the last to say what something is
+    const NamedPart& part = parts[i];
+    for_lists(
+        [&](std::size_t kind, auto& to, const auto& from) {
+          for (std::size_t k = 0; k < from.size(); ++k) {
+            auto& item = to[place_in(*names.all()[kind], (*part.names.all()[kind])[k])] = from[k];
+            for_particles(item, [&](std::uint32_t& particle) {  // places have slots that nobody reads, too
+              if (particle < part.names.particles.size())
+                particle = place_in(names.particles, part.names.particles[particle]);
+            });
+          }
+        },
+        out.scene, part.scene);
+    for (std::size_t k = 0; k < part.scene.hulls.size(); ++k)
+      out.scene.hulls[place_in(names.hulls, part.names.hulls[k])].body =
+          place_in(names.bodies, part.names.bodies[part.scene.hulls[k].body]);
+    out.scene.gravity = part.scene.gravity;
+    out.scene.drag = part.scene.drag;
+    out.scene.joint_drag = part.scene.joint_drag;
+  }
+  return out;
 }
 
 }  // namespace plumb::detail

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,23 +36,21 @@ struct PartEdits {
 class NamedPart {
  public:
   Scene scene{};
-  Names names{};                           ///< those of bends and tackles may be missing
-  std::vector<std::uint32_t> rods_were{};  ///< their numbers before any was taken out
+  Names names{};
 
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.
   void cut(std::uint32_t rod);
-  /// Takes the capsules of other parts, in the order of their numbers. Their movable particles are here, too;
-  /// anchors that capsules alone name come along.
-  void take_capsules(std::span<const NamedPart> from);
   /// Ends rods and capsules that no movable particle has.
   void end_fixed();
   /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was, or null
   /// where rods held each island together.
   void end_torn_capsules(const Scene* before);
-
- private:
-  void erase_rod(std::size_t index);
+  /// Returns what has no movable particle though it needs one, such as "pin 3", or nothing.
+  std::string held() const;
 };
+
+/// Returns what parts have, in the order of numbers. What several have is as the first has it.
+NamedPart joined(std::span<const NamedPart> parts);
 
 }  // namespace plumb::detail

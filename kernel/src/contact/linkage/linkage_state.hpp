@@ -75,8 +75,6 @@ struct LinkageState : LinkageMotion {
   void take_kind(const Linkage& kind);
   /// Goes on as another island did, of which it has the particles `of`, in order.
   void go_on_from(const LinkageState& from, std::span<const std::uint32_t> of);
-  /// Begins where the particles `of` of a scene are, and as fast, to be solved as another island was.
-  void begin_in(const Scene& scene, std::span<const std::uint32_t> of, const LinkageState& like);
   /// Lets nothing be left of the island but its number.
   void end();
   /// Goes on from a motion that was copied from motion().

@@ -298,10 +298,10 @@ void SceneParts::hand_out_joints() {
     each.v = local(island, each.v);
     hand(each, island, parts_[island].torsions, shares_.torsions);
   }
-  for (const Bend& each : scene_.bends) {
+  for (Bend each : scene_.bends) {
     const std::uint32_t island = movable_of({{each.a, each.b, each.c}, {1, 1, 1}});
-    parts_[island].bends.push_back({local(island, each.a), local(island, each.b), local(island, each.c),
-                                    each.stiffness, each.angle, each.damping});
+    for (std::uint32_t* const particle : {&each.a, &each.b, &each.c}) *particle = local(island, *particle);
+    hand(each, island, parts_[island].bends, shares_.bends);
   }
 }
 

@@ -24,7 +24,7 @@ class SceneParts {
   struct Share {
     std::uint32_t part, number;
   };
-  /// Lists where the scene's rods, bodies, joints, springs and shapes are.
+  /// Lists where the scene's rods, bends, bodies, joints, springs and shapes are.
   const ByKind<std::vector<Share>>& shares() const { return shares_; }
 
  private:

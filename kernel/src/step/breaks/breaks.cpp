@@ -1,12 +1,8 @@
 #include "step/breaks/breaks.hpp"
 
 #include <algorithm>
-#include <array>
-#include <iterator>
 
-#include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
-#include "scene/bends/rod_table.hpp"
 #include "scene/scene_graph.hpp"
 #include "step/breaks/ids.hpp"
 
@@ -85,18 +81,10 @@ std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
   return wholes_[whole].reels.front();
 }
 
-bool Breaks::is_plain(std::uint32_t rod, std::span<const std::uint32_t> cut) const {
-  const bool is_cut = out_[rod] != State::in || std::find(cut.begin(), cut.end(), rod) != cut.end();
-  return is_cut ? rod_mass(scene_now(), rod, model_).ab == 0 : is_plain_rod(scene_now().rods[rod]);
-}
-
-bool Breaks::is_plain_at(std::uint32_t particle, std::span<const std::uint32_t> cut) const {
-  if (whole_[particle] == none) return true;
-  const Whole& whole = wholes_[whole_[particle]];
-  if (!whole.bends.empty() || !whole.tackles.empty() || !whole.twists.empty() || !whole.reels.empty())
-    return false;
-  return std::all_of(whole.rods.begin(), whole.rods.end(),
-                     [&](std::uint32_t rod) { return is_plain(rod, cut); });
+std::optional<std::uint32_t> Breaks::tackle_at(std::uint32_t particle) const {
+  const std::uint32_t whole = whole_[particle];
+  if (whole == none || wholes_[whole].tackles.empty()) return {};
+  return wholes_[whole].tackles.front();
 }
 
 // --- Changes
@@ -118,12 +106,13 @@ Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edit
   edit(edits);
   const Cutout changed = cutout();
   const layouts::Islands islands = find_bent_islands(changed.scene, SceneGraph(changed.scene).view());
-  const Ids parts = leaving_parts(changed, islands);
+  const Parts parts = leaving_parts(changed, islands);
   Fallen out = cut_out(changed, islands, parts);
   for (const std::uint32_t whole : touched_)
     if (wholes_[whole].leaves()) append(out.leaving_twists, wholes_[whole].twists);
   renumber(changed, islands, parts);
   for (const std::uint32_t particle : changed.particles) place_[particle] = none;
+  held_freed_.clear();
   return out;
 }
 
@@ -189,198 +178,6 @@ void Breaks::edit(const Edits& edits) {
     for (const std::uint32_t rod : rods_at(particle))
       if (joins_ends(rod)) touch(whole_at(rod), true);
   }
-}
-
-// --- Islands
-
-/// Lists what touched islands have, movable particles before fixed ones, which leaves little to sort.
-void Breaks::list_touched(Cutout& out) const {
-  Ids order = touched_;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return wholes_[a].particles.front() < wholes_[b].particles.front();
-  });
-  for (const bool is_fixed : {false, true})
-    for (const std::uint32_t number : order)
-      for (const std::uint32_t particle : wholes_[number].particles)
-        if ((fixed_[particle] != 0) == is_fixed) out.particles.push_back(particle);
-  for (const std::uint32_t number : order) {
-    const Whole& whole = wholes_[number];
-    append(out.rods, whole.rods);
-    append(out.bends, whole.bends);
-    append(out.tackles, whole.tackles);
-    append(out.twists, whole.twists);
-    append(out.reels, whole.reels);
-  }
-}
-
-Breaks::Cutout Breaks::cutout() {
-  Cutout out;
-  list_touched(out);
-  const auto add_rod = [&](std::uint32_t rod) {
-    if (!joins_ends(rod)) return;
-    out.rods.push_back(rod);
-    append(out.particles, std::array{scene_now().rods[rod].a, scene_now().rods[rod].b});
-  };
-  for (const std::uint32_t rod : joined_) add_rod(rod);
-  for (const std::uint32_t particle : freed_) {
-    out.particles.push_back(particle);
-    for (const std::uint32_t rod : rods_at(particle)) add_rod(rod);
-  }
-  for (Ids* const list : {&out.particles, &out.rods, &out.bends, &out.tackles, &out.twists, &out.reels})
-    sort_once(*list);
-  Scene& scene = out.scene;
-  scene.drag = scene_now().drag;
-  scene.particles.reserve(out.particles.size());
-  scene.rods.reserve(out.rods.size());
-  for (const std::uint32_t particle : out.particles) {
-    place_[particle] = static_cast<std::uint32_t>(scene.particles.size());
-    Particle& made = scene.particles.emplace_back(scene_now().particles[particle]);
-    made.asleep = false;
-    made.fixed = fixed_[particle] != 0;
-    if (const auto mass = masses_.find(particle); mass != masses_.end())
-      made.mass = mass->second.first + mass->second.second;
-  }
-  const auto place = [&](std::uint32_t& particle) { particle = place_[particle]; };
-  for (const std::uint32_t rod : out.rods) {
-    Rod& made = scene.rods.emplace_back(scene_now().rods[rod]);
-    if (out_[rod] == State::taken) made.law = {.stiffness = 0};  // its mass alone is left
-    place(made.a);
-    place(made.b);
-  }
-  for (const std::uint32_t bend : out.bends) {
-    Bend& made = scene.bends.emplace_back(scene_now().bends[bend]);
-    for (std::uint32_t* const end : {&made.a, &made.b, &made.c}) place(*end);
-  }
-  const auto copy_chains = [&](const Ids& numbers, const auto& from, auto& to) {
-    for (const std::uint32_t number : numbers)
-      for (std::uint32_t& particle : to.emplace_back(from[number]).particles) place(particle);
-  };
-  copy_chains(out.tackles, scene_now().tackles, scene.tackles);
-  copy_chains(out.twists, scene_now().twists, scene.twists);
-  copy_chains(out.reels, scene_now().reels, scene.reels);
-  end_elements(out);
-  return out;
-}
-
-/// Ends the bends and twists that lack a rod, of which the mass may be left.
-void Breaks::end_elements(Cutout& of) {
-  Scene& scene = of.scene;
-  if (scene.bends.empty() && scene.twists.empty()) return;
-  const RodTable rods(scene, [&](std::size_t i) { return out_[of.rods[i]] != State::taken; });
-  const Ids before = of.bends;
-  erase_numbered(scene.bends, of.bends,
-                 [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });
-  std::set_difference(before.begin(), before.end(), of.bends.begin(), of.bends.end(),
-                      std::back_inserter(ended_));
-  erase_numbered(scene.twists, of.twists,
-                 [&](const Twist& twist) { return lacks_rod(scene, rods, twist.particles); });
-}
-
-/// Returns the islands of a cutout that are parts of a larger one, which nothing holds together, or that are
-/// made anew by order.
-Ids Breaks::leaving_parts(const Cutout& of, const layouts::Islands& islands) {
-  const IslandElements elements(of.scene, islands);
-  const auto whole = [&](std::uint32_t part) { return whole_[of.particles[islands.vertices(part).front()]]; };
-  for (std::uint32_t part = 0; part < islands.count(); ++part) {
-    if (whole(part) == none) continue;  // it was freed
-    Whole& of_part = wholes_[whole(part)];
-    ++of_part.parts;
-    of_part.stays = of_part.stays || !elements.twists_of(part).empty() || !elements.reels_of(part).empty();
-  }
-  Ids out;
-  for (std::uint32_t part = 0; part < islands.count(); ++part)
-    if (whole(part) == none || wholes_[whole(part)].leaves()) out.push_back(part);
-  return out;
-}
-
-/// Gives islands that leave numbers of their own. What stays loses the elements that ended.
-void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const Ids& parts) {
-  for (const std::uint32_t number : touched_) {
-    Whole& whole = wholes_[number];
-    if (whole.leaves()) {
-      whole = {};
-      spare_.push_back(number);
-      continue;
-    }
-    const auto has_ended = [](const Ids& left) {
-      return [&](std::uint32_t each) { return !std::binary_search(left.begin(), left.end(), each); };
-    };
-    std::erase_if(whole.bends, has_ended(of.bends));
-    std::erase_if(whole.twists, has_ended(of.twists));
-    whole.is_touched = whole.is_forced = whole.stays = false;
-    whole.parts = 0;
-  }
-  for (const std::uint32_t particle : of.particles)
-    if (fixed_[particle] != 0) whole_[particle] = none;
-  const IslandElements elements(of.scene, islands);
-  for (const std::uint32_t part : parts) {
-    const std::uint32_t number = spare_whole();
-    Whole& whole = wholes_[number];
-    const auto list = [](Ids& to, std::span<const std::uint32_t> of_part, const Ids& numbers) {
-      to.reserve(of_part.size());
-      for (const std::uint32_t each : of_part) to.push_back(numbers[each]);
-    };
-    list(whole.particles, islands.vertices(part), of.particles);
-    list(whole.rods, islands.edges(part), of.rods);
-    list(whole.bends, elements.bends_of(part), of.bends);
-    list(whole.tackles, elements.tackles_of(part), of.tackles);
-    for (const std::uint32_t particle : whole.particles)
-      if (fixed_[particle] == 0) whole_[particle] = number;
-  }
-}
-
-/// Returns the number of a whole that is empty.
-std::uint32_t Breaks::spare_whole() {
-  if (spare_.empty()) {
-    wholes_.emplace_back();
-    return static_cast<std::uint32_t>(wholes_.size() - 1);
-  }
-  const std::uint32_t number = spare_.back();
-  spare_.pop_back();
-  return number;
-}
-
-Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Ids& parts) const {
-  Fallen out;
-  out.touched = from.particles;
-  for (Ids* const list : {&out.leaving, &out.particles}) list->reserve(from.particles.size());
-  out.rods.reserve(from.rods.size());
-  out.scene.particles.reserve(from.particles.size());
-  out.scene.rods.reserve(from.rods.size());
-  const auto leaves = [&](std::uint32_t whole) { return whole != none && wholes_[whole].leaves(); };
-  for (const std::uint32_t particle : from.particles)
-    if (leaves(whole_[particle])) out.leaving.push_back(particle);
-  out.scene.drag = scene_now().drag;
-  Ids place(from.particles.size(), none);
-  std::vector<std::uint8_t> is_made(from.rods.size(), 0);
-  const IslandElements elements(from.scene, islands);
-  for (const std::uint32_t island : parts) {
-    for (const std::uint32_t particle : islands.vertices(island)) {
-      if (place[particle] != none) continue;
-      place[particle] = static_cast<std::uint32_t>(out.particles.size());
-      out.particles.push_back(from.particles[particle]);
-      out.scene.particles.push_back(from.scene.particles[particle]);
-    }
-    for (const std::uint32_t rod : islands.edges(island)) {
-      Rod& made = out.scene.rods.emplace_back(from.scene.rods[rod]);
-      made.a = place[made.a];
-      made.b = place[made.b];
-      out.rods.push_back(from.rods[rod]);
-      is_made[rod] = 1;
-    }
-    for (const std::uint32_t bend : elements.bends_of(island)) {
-      Bend& made = out.scene.bends.emplace_back(from.scene.bends[bend]);
-      for (std::uint32_t* const end : {&made.a, &made.b, &made.c}) *end = place[*end];
-    }
-    for (const std::uint32_t tackle : elements.tackles_of(island)) {
-      Tackle& made = out.scene.tackles.emplace_back(from.scene.tackles[tackle]);
-      for (std::uint32_t& particle : made.particles) particle = place[particle];
-      out.tackles.push_back(from.tackles[tackle]);
-    }
-  }
-  for (std::size_t rod = 0; rod < from.rods.size(); ++rod)
-    if (is_made[rod] == 0 && leaves(whole_at(from.rods[rod]))) out.leaving_rods.push_back(from.rods[rod]);
-  return out;
 }
 
 }  // namespace plumb::detail

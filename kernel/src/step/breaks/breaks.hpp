@@ -31,7 +31,10 @@ struct Fallen {
   std::vector<std::uint32_t> parts{};
   PartEdits part_edits{};
   std::vector<std::uint32_t> met{};          ///< those of `parts` that rods or freed particles bring together
-  std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have no home
+  std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have or get no home
+  /// Has what comes together with islands of the contact solver that have no home, and is moved there from
+  /// now on. Some of it may be there already.
+  NamedPart held{};
 
   bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
 };
@@ -54,10 +57,17 @@ class Breaks {
   /// Returns the rods that have a strength.
   std::span<const std::uint32_t> weak() const { return weak_; }
   bool is_out(std::uint32_t rod) const { return rod < out_.size() && out_[rod] != State::in; }
-  /// Lets the island of a movable particle stay as it is, whatever becomes of its rods: others move it.
+  /// Lets no solver of particles and rods move the island of a particle, whatever becomes of it: others do.
+  /// So it is with what the next take_out() joins to it. A fixed particle is one that is freed then.
   void hold(std::uint32_t particle) {
-    if (whole_[particle] != none) wholes_[whole_[particle]].is_held = true;
+    if (whole_[particle] != none)
+      wholes_[whole_[particle]].is_held = true;
+    else
+      held_freed_.push_back(particle);
   }
+  /// Does so if the next take_out() makes the island of a movable particle one that has more than particles
+  /// and rigid rods.
+  void hold_unless_plain(std::uint32_t particle) { wholes_[whole_[particle]].is_to_be_plain = true; }
   /// Lets is_out() say that a rod is out although it is still to be taken, or takes that back.
   void order(std::uint32_t rod, bool is_ordered) {
     if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
@@ -109,10 +119,10 @@ class Breaks {
     const auto mass = masses_.find(particle);
     return mass == masses_.end() ? scene_now().particles[particle].mass : mass->second.first;
   }
-  /// Returns that with what it took of rods that are out.
-  double whole_mass(std::uint32_t particle) const {
+  /// Returns what it took (kg) of rods that are out.
+  double taken_mass(std::uint32_t particle) const {
     const auto mass = masses_.find(particle);
-    return own_mass(particle) + (mass == masses_.end() ? 0 : mass->second.second);
+    return mass == masses_.end() ? 0 : mass->second.second;
   }
   bool is_taken(std::uint32_t rod) const { return rod < out_.size() && out_[rod] == State::taken; }
   bool has_ended(std::uint32_t bend) const {
@@ -120,16 +130,12 @@ class Breaks {
   }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
+  std::optional<std::uint32_t> tackle_at(std::uint32_t particle) const;  ///< any of its island
   /// Returns the end of a rod that is not `particle`.
   std::uint32_t other_end(std::uint32_t rod, std::uint32_t particle) const {
     const Rod& of = scene_now().rods[rod];
     return of.a == particle ? of.b : of.a;
   }
-  /// Returns whether a rod that joins its ends may be in an island with shapes that goes home, after these
-  /// cuts.
-  bool is_plain(std::uint32_t rod, std::span<const std::uint32_t> cut) const;
-  /// Returns whether nothing but such rods holds the island of a particle together then.
-  bool is_plain_at(std::uint32_t particle, std::span<const std::uint32_t> cut) const;
 
  private:
   static constexpr std::uint32_t none = 0xffffffff;
@@ -142,15 +148,22 @@ class Breaks {
     bool is_touched = false, is_forced = false;  ///< The latter is made anew by order.
     bool stays = false;                          ///< A twist or a reel keeps it as it is.
     std::uint32_t parts = 0;
-    bool is_held = false;  ///< It does for good.
+    bool is_to_be_plain = false;
+    bool is_held = false;  ///< Others move it, for good.
 
-    bool leaves() const { return !stays && !is_held && (is_forced || parts > 1); }
+    bool leaves() const { return !stays && (is_forced || parts > 1); }
   };
   /// Holds islands as a scene, with their numbers in the whole one.
   struct Cutout {
     Scene scene;
     std::vector<std::uint32_t> particles, rods, bends, tackles, twists, reels;
   };
+
+  /// Lists islands of a cutout that go on by themselves: those that get solvers, and those that others move.
+  struct Parts {
+    std::vector<std::uint32_t> homes, held;
+  };
+  class Copy;
 
   std::uint32_t spare_whole();
   void remove_from_wholes(const Names& what);
@@ -164,10 +177,11 @@ class Breaks {
   void list_touched(Cutout& out) const;
   Cutout cutout();
   void end_elements(Cutout& of);
-  std::vector<std::uint32_t> leaving_parts(const Cutout& of, const layouts::Islands& islands);
-  void renumber(const Cutout& of, const layouts::Islands& islands, const std::vector<std::uint32_t>& parts);
-  Fallen cut_out(const Cutout& from, const layouts::Islands& islands,
-                 const std::vector<std::uint32_t>& parts) const;
+  Parts leaving_parts(const Cutout& of, const layouts::Islands& islands);
+  bool is_held(const Cutout& of, const layouts::Islands& islands, std::uint32_t part, bool bends) const;
+  bool is_new(const Cutout& of, const layouts::Islands& islands, std::uint32_t part) const;
+  void renumber(const Cutout& of, const layouts::Islands& islands, const Parts& parts);
+  Fallen cut_out(const Cutout& from, const layouts::Islands& islands, const Parts& parts) const;
 
   bool has_begun_ = false;
   MassModel model_;
@@ -181,13 +195,14 @@ class Breaks {
   Rows<std::uint32_t> rods_at_;       ///< by particle
   std::vector<std::uint32_t> ended_;  ///< bends that lack a rod
   std::vector<Whole> wholes_;
-  std::vector<std::uint32_t> whole_;    ///< by particle, and none for fixed ones
-  std::vector<std::uint32_t> touched_;  ///< wholes
-  std::vector<std::uint32_t> freed_;    ///< particles
-  std::vector<std::uint32_t> joined_;   ///< rods
-  std::vector<std::uint32_t> along_;    ///< particles of islands that are made anew beside what is listed
-  std::vector<std::uint32_t> spare_;    ///< numbers of wholes that nobody has
-  std::vector<std::uint32_t> place_;    ///< by particle: that in a cutout which is made, else none
+  std::vector<std::uint32_t> whole_;       ///< by particle, and none for fixed ones
+  std::vector<std::uint32_t> touched_;     ///< wholes
+  std::vector<std::uint32_t> freed_;       ///< particles
+  std::vector<std::uint32_t> held_freed_;  ///< those of them that others are to move
+  std::vector<std::uint32_t> joined_;      ///< rods
+  std::vector<std::uint32_t> along_;       ///< particles of islands that are made anew beside what is listed
+  std::vector<std::uint32_t> spare_;       ///< numbers of wholes that nobody has
+  std::vector<std::uint32_t> place_;       ///< by particle: that in a cutout which is made, else none
 };
 
 }  // namespace plumb::detail

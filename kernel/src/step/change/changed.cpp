@@ -118,10 +118,7 @@ void Step::redo(const Split& split, const Step& from) {
   }
   now.rods = split.rods;
   now.edits = split.edits;
-  for (const std::uint32_t rod : now.edits.cut)
-    if (joins_by_mass(rod))
-      refuse("settings: rod ", rod, ": was cut, and has mass along it that joins its ends under these");
-  require_plain_meeting("settings", now.edits);
+  require_simple_meeting("settings", now.edits);
   const Fallen fallen = take_out(now);
   log_.keep(fallen.touched, now.edits);
   put_joined(now.edits);
@@ -130,16 +127,20 @@ void Step::redo(const Split& split, const Step& from) {
     now.positions.push_back(from.population_.particles.has(particle) ? from.position(particle)
                                                                      : scene.particles[particle].position);
   now.velocities.resize(fallen.particles.size());
-  for (const std::uint32_t rod : fallen.rods) {
-    now.lengths.push_back(from.population_.rods.has(rod) ? from.length(rod) : rod_length(scene, rod));
-    lengths_.add(rod, now.lengths.back());
-  }
+  const auto go_on_as_long = [&](const std::vector<std::uint32_t>& rods) {
+    for (const std::uint32_t rod : rods) {
+      now.lengths.push_back(from.population_.rods.has(rod) ? from.length(rod) : rod_length(scene, rod));
+      lengths_.add(rod, now.lengths.back());
+    }
+  };
+  go_on_as_long(fallen.rods);
   for (const std::uint32_t tackle : fallen.tackles) {
     const std::uint32_t cord = tackle_cord(tackle);
     now.lengths.push_back(from.population_.tackles.has(tackle) ? from.length(cord)
                                                                : tackle_length(scene, tackle));
     lengths_.add(cord, now.lengths.back());
   }
+  go_on_as_long(fallen.held.names.rods);
   this->split(fallen, now);
   log_.push(std::move(now));
 }

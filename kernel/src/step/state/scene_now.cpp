@@ -83,7 +83,7 @@ class Present {
       particle.position = step_.position(i);
       particle.fixed = step_.is_fixed(i);
       particle.velocity = particle.fixed ? Vec3{} : step_.velocity(i);
-      particle.mass = step_.breaks().whole_mass(i);
+      particle.mass = step_.breaks().own_mass(i) + step_.breaks().taken_mass(i);
       particle.asleep = false;
       out_.particles.push_back(particle);
     });

@@ -22,35 +22,21 @@ void Step::require_editable(const char* what, std::uint32_t number, std::uint32_
     refuse(what, " ", number, ": reel ", *reel, " is of its island, which stays one");
 }
 
-/// Refuses an edit that is not known of islands with joints. Those of particles, rods and shapes alone are
-/// made anew with their shapes.
-void Step::require_no_joints(const char* what, std::uint32_t number, std::uint32_t particle) const {
-  const Place* const place = contact_place(particle);
-  if (place && !compiled_.contact->may_go_home(place->slot))
-    refuse(what, " ", number,
-           ": its island has joints, springs, air on rods, sleepers, or shapes and rods that give, and stays "
-           "one");
-}
-
-/// Refuses edits of one step that would bring islands with shapes together with anything but particles, rigid
-/// rods and shapes. The message begins with `what`.
-void Step::require_plain_meeting(const std::string& what, const Edits& edits) const {
+/// Refuses edits of one step that would bring islands with shapes or joints together with tackles, twists or
+/// reels, which the contact solver does not know. The message begins with `what`.
+void Step::require_simple_meeting(const std::string& what, const Edits& edits) const {
   if (!compiled_.contact) return;
   const Ids ends = meeting(edits);
-  if (std::none_of(ends.begin(), ends.end(), [&](std::uint32_t each) { return contact_place(each); })) return;
-  const auto is_plain_around = [&](const std::pair<std::uint32_t, bool>& of) {
-    const auto rods = breaks_.rods_at(of.first);
-    return of.second || std::all_of(rods.begin(), rods.end(), [&](std::uint32_t rod) {
-             return !breaks_.joins_ends(rod) || breaks_.is_plain(rod, edits.cut);
-           });
+  const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
+  if (std::none_of(ends.begin(), ends.end(), is_known)) return;
+  const auto require_none = [&](const char* of, const std::optional<std::uint32_t>& number) {
+    if (number) refuse(what, ": islands with shapes or joints would come together with ", of, " ", *number);
   };
-  const bool are_plain = std::all_of(edits.joined.begin(), edits.joined.end(),
-                                     [](const Joined& each) { return is_plain_rod(each.rod); }) &&
-                         std::all_of(edits.fixed.begin(), edits.fixed.end(), is_plain_around) &&
-                         std::all_of(ends.begin(), ends.end(), [&](std::uint32_t each) {
-                           return breaks_.is_plain_at(each, edits.cut);
-                         });
-  if (!are_plain) refuse(what, ": islands with shapes would get bends, tackles or rods that give or break");
+  for (const std::uint32_t each : ends) {
+    require_none("tackle", breaks_.tackle_at(each));
+    require_none("twist", breaks_.twist_at(each));
+    require_none("reel", breaks_.reel_at(each));
+  }
 }
 
 void Step::cut(std::uint32_t rod) {
@@ -60,15 +46,8 @@ void Step::cut(std::uint32_t rod) {
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
-  if (joins_by_mass(rod))
-    refuse("rod ", rod, ": has mass along it that joins its ends, in an island with shapes");
   if (is_in_contact(rod) && compiled_.contact->is_of_body(rod))
     refuse("rod ", rod, ": is of a body, which stays whole");
-  if (rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0) {
-    Edits then = edits_;
-    then.cut.push_back(rod);
-    require_plain_meeting("rod " + std::to_string(rod), then);
-  }
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
 }
@@ -77,7 +56,7 @@ void Step::cut(std::uint32_t rod) {
 /// contact.
 bool Step::joins_by_mass(std::uint32_t rod) const {
   const Place* const place = contact_place(rods_.end(rod));
-  return place && compiled_.contact->may_go_home(place->slot) &&
+  return place && !anchors_.is_fixed(rods_.end(rod)) && compiled_.contact->may_go_home(place->slot) &&
          rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0;
 }
 
@@ -100,13 +79,12 @@ void Step::require_joinable(const Rod& rod) const {
   for (const std::uint32_t end : {rod.a, rod.b}) {
     if (anchors_.is_fixed(end)) continue;  // if it is to be freed, fix() has looked at what hangs from it
     require_editable("particle", end, end);
-    require_no_joints("particle", end, end);
     if (const auto twist = breaks_.twist_at(end))
       refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
   }
   Edits then = edits_;
   then.joined.push_back({.rod = rod});
-  require_plain_meeting("particle " + std::to_string(rod.a), then);
+  require_simple_meeting("particle " + std::to_string(rod.a), then);
   const auto require_other = [&](std::uint32_t number, const Rod& other) {
     if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
       refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
@@ -137,8 +115,19 @@ void Step::put_joined(const Edits& edits) {
   }
 }
 
+/// Returns the bodies that have a particle.
+std::vector<std::uint32_t> Step::bodies_at(std::uint32_t particle) const {
+  std::vector<std::uint32_t> out;
+  const std::vector<Body>& bodies = breaks_.scene_now().bodies;
+  for (std::uint32_t i = 0; i < bodies.size(); ++i)
+    if (population_.bodies.has(i) &&
+        std::count(bodies[i].particles.begin(), bodies[i].particles.end(), particle) > 0)
+      out.push_back(i);
+  return out;
+}
+
 /// Refuses to fix or free a particle of elements that need it as it is.
-void Step::require_refixable(std::uint32_t particle) const {
+void Step::require_refixable(std::uint32_t particle, bool is_fixed) const {
   const Scene& scene = breaks_.scene_now();
   const auto require_none = [&](const char* what, const auto& list, const Numbers* numbers = nullptr) {
     for (std::uint32_t i = 0; i < list.size(); ++i)
@@ -149,11 +138,21 @@ void Step::require_refixable(std::uint32_t particle) const {
   require_none("tackle", scene.tackles, &population_.tackles);
   require_none("reel", scene.reels);
   require_none("twist", scene.twists);
-  for (std::uint32_t i = 0; i < scene.bends.size(); ++i) {
-    const Bend& bend = scene.bends[i];
-    if (!population_.bends.has(i)) continue;
-    if (bend.a == particle || bend.b == particle || bend.c == particle)
-      refuse("particle ", particle, ": is of bend ", i, ", and stays fixed or free");
+  const auto stands = [&](std::uint32_t each) { return each == particle || will_be_fixed(each); };
+  if (is_fixed) {
+    for (const std::uint32_t i : bends_at(particle)) {
+      const Bend& bend = scene.bends[i];
+      if (stands(bend.b) && (stands(bend.a) || stands(bend.c)))
+        refuse("particle ", particle, ": cannot be fixed, since both ends of a rod of bend ", i, " would be");
+    }
+    if (const Place* const place = contact_place(particle))
+      if (const std::string held = compiled_.contact->held_by(place->slot, anchors_.will_be_fixed());
+          !held.empty())
+        refuse("particle ", particle, ": cannot be fixed, since nothing of ", held, " could move then");
+  } else {
+    for (const std::uint32_t i : bodies_at(particle))
+      if (!compiled_.contact->has_body(i))
+        refuse("particle ", particle, ": is of body ", i, ", which is ground");
   }
 }
 
@@ -166,32 +165,43 @@ void Step::require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle)
            " changes its length in the next step, and its other end is fixed");
 }
 
+/// Refuses to free a particle that has no mass to move with, neither its own nor from rods and bodies.
+void Step::require_mass(std::uint32_t particle) const {
+  double own = breaks_.own_mass(particle);
+  for (const auto& [of, ordered] : edits_.masses)
+    if (of == particle) own = ordered;
+  const Scene& scene = breaks_.scene_now();
+  double mass = own + breaks_.taken_mass(particle);
+  for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+    if (!breaks_.joins_ends(rod)) continue;
+    const RodMass of = rod_mass(scene, rod, MassModel::lumped);
+    mass += scene.rods[rod].a == particle ? of.aa : of.bb;
+  }
+  for (const std::uint32_t body : bodies_at(particle)) mass += scene.bodies[body].mass;
+  if (!(mass > 0 && std::isfinite(mass)))
+    refuse("particle ", particle, ": has no mass to be free with, but ", mass,
+           " kg; set_mass() gives it one");
+}
+
 void Step::fix(std::uint32_t particle, bool is_fixed) {
   if (will_be_fixed(particle) == is_fixed) return;
   breaks_.begin();
-  require_refixable(particle);
+  require_refixable(particle, is_fixed);
   require_editable("particle", particle, particle);
-  require_no_joints("particle", particle, particle);
   for (const std::uint32_t rod : breaks_.rods_at(particle)) {
     if (is_fixed) require_kept_between_fixed(rod, particle);
     require_editable("particle", particle, rods_.end(rod));
-    require_no_joints("particle", particle, rods_.end(rod));
     if (const auto twist = breaks_.twist_at(rods_.end(rod)))
       refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
   }
-  double mass = breaks_.own_mass(particle);
-  for (const auto& [of, ordered] : edits_.masses)
-    if (of == particle) mass = ordered;
-  if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
-    refuse("particle ", particle, ": has no mass to be free with, but ", mass,
-           " kg; set_mass() gives it one");
+  if (!is_fixed) require_mass(particle);
   if (!is_fixed && holds_ground(particle))
     refuse("particle ", particle, ": a capsule of the ground is at it, and it stays");
   if (!is_fixed) require_fit_of_fixed(particle);
   Edits then = edits_;
   std::erase_if(then.fixed, [&](const auto& each) { return each.first == particle; });
   if (anchors_.is_fixed(particle) != is_fixed) then.fixed.emplace_back(particle, is_fixed);
-  require_plain_meeting("particle " + std::to_string(particle), then);
+  require_simple_meeting("particle " + std::to_string(particle), then);
   edits_ = std::move(then);
   anchors_.order(particle, is_fixed);
 }
@@ -229,6 +239,8 @@ void Step::refix(const Edits& edits) {
     }
     if (settings_.tensions) reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods, anchors_);
   }
+  if (!settings_.tensions || edits.fixed.empty() || breaks_.scene_now().bodies.empty()) return;
+  reactions_.refix_bodies(breaks_.scene_now(), population_.bodies, anchors_);
 }
 
 /// Lets gravity be what was ordered. All wake, since all fall otherwise.

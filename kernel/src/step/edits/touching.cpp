@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contact/linkage/scene_parts.hpp"
+#include "scene/bends/bends.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/methods.hpp"
 #include "step/step.hpp"
@@ -19,7 +20,7 @@ const Place* Step::contact_place(std::uint32_t particle) const {
 }
 
 /// An island that a broken rod has left whole still hangs from the rod's fixed end. It does not any more
-/// where that is freed.
+/// where that is freed. A bend brings its particles together with one that is freed.
 void Step::take_along(const Edits& edits) {
   const auto hangs_from = [&](std::uint32_t particle, std::uint32_t anchor) {
     const Place& home = compiled_.places.of(particle).front();
@@ -37,7 +38,30 @@ void Step::take_along(const Edits& edits) {
       if (!breaks_.joins_ends(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor))
         breaks_.take_along(other);
     }
+    for (const std::uint32_t other : bent_with(anchor))
+      if (!anchors_.is_fixed(other)) breaks_.take_along(other);
   }
+}
+
+/// Returns the bends that have a particle.
+Ids Step::bends_at(std::uint32_t particle) const {
+  Ids out;
+  const std::vector<Bend>& bends = breaks_.scene_now().bends;
+  for (std::uint32_t i = 0; i < bends.size(); ++i) {
+    const auto particles = particles_of(bends[i]);
+    if (population_.bends.has(i) && !breaks_.has_ended(i) &&
+        std::count(particles.begin(), particles.end(), particle) > 0)
+      out.push_back(i);
+  }
+  return out;
+}
+
+/// Returns the particles that they have.
+Ids Step::bent_with(std::uint32_t particle) const {
+  Ids out;
+  for (const std::uint32_t bend : bends_at(particle))
+    append(out, particles_of(breaks_.scene_now().bends[bend]));
+  return out;
 }
 
 /// Lists what is done to the contact solver's islands. Appends particles of theirs: those of islands that are
@@ -60,17 +84,30 @@ PartEdits Step::list_part_edits(const Edits& edits, Ids& touched) const {
   return out;
 }
 
-/// Returns the movable ends of rods that are joined, and of those at particles that are freed: all islands
-/// that come together have some.
+/// Returns the movable ends of rods that are joined, and what hangs from particles that are freed: all
+/// islands that come together have some.
 Ids Step::meeting(const Edits& edits) const {
   Ids out;
   for (const Joined& each : edits.joined) out.insert(out.end(), {each.rod.a, each.rod.b});
-  for (const auto& [particle, is_fixed] : edits.fixed)
-    if (!is_fixed)
-      for (const std::uint32_t rod : breaks_.rods_at(particle))
-        if (breaks_.joins_ends(rod)) out.push_back(breaks_.other_end(rod, particle));
+  for (const auto& [particle, is_fixed] : edits.fixed) {
+    if (is_fixed) continue;
+    for (const std::uint32_t rod : breaks_.rods_at(particle))
+      if (breaks_.joins_ends(rod)) out.push_back(breaks_.other_end(rod, particle));
+    append(out, bent_with(particle));
+    for (const Place& place : compiled_.places.of(particle))
+      if (&solver(place) == compiled_.contact)
+        out.push_back(compiled_.contact->particles_of(compiled_.contact->island_of(place.slot)).front());
+  }
   std::erase_if(out, [&](std::uint32_t each) { return anchors_.is_fixed(each); });
   return out;
+}
+
+/// Returns whether an island without a home hangs from a fixed particle.
+bool Step::holds_linkage(std::uint32_t particle) const {
+  const auto places = compiled_.places.of(particle);
+  return anchors_.is_fixed(particle) && std::any_of(places.begin(), places.end(), [&](const Place& place) {
+           return &solver(place) == compiled_.contact && !compiled_.contact->may_go_home(place.slot);
+         });
 }
 
 /// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
@@ -86,9 +123,17 @@ Fallen Step::take_out(const Split& now) {
     linkages.push_back(part);
     breaks_.hold(particle);
   };
+  for (const auto& [particle, is_fixed] : now.edits.fixed)
+    if (!is_fixed && holds_linkage(particle)) breaks_.hold(particle);
   if (now.edits.packs) pack(parts);
   for (const std::uint32_t particle : touched) touch(particle, parts);
-  for (const std::uint32_t particle : meeting(now.edits)) touch(particle, met);
+  Ids meet = meeting(now.edits);
+  for (const std::uint32_t rod : now.edits.cut)
+    if (joins_by_mass(rod)) meet.push_back(rods_.end(rod));
+  for (const std::uint32_t particle : meet) {
+    touch(particle, met);
+    if (contact_place(particle)) breaks_.hold_unless_plain(particle);
+  }
   parts.insert(parts.end(), met.begin(), met.end());
   sort_once(met);
   sort_once(parts);
@@ -104,7 +149,11 @@ Fallen Step::take_out(const Split& now) {
     out.of_linkages.insert(out.of_linkages.end(), movable.begin(), movable.end());
   }
   sort_once(out.touched);
+  sort_once(out.of_linkages);
   out.leaving.insert(out.leaving.end(), out.of_linkages.begin(), out.of_linkages.end());
+  for (std::size_t k = 0; k < out.held.names.particles.size(); ++k)
+    if (!out.held.scene.particles[k].fixed) out.of_linkages.push_back(out.held.names.particles[k]);
+  sort_once(out.of_linkages);
   out.parts = std::move(parts);
   out.part_edits = std::move(edits);
   out.met = std::move(met);
@@ -130,21 +179,42 @@ void Step::pack(Ids& parts) {
 /// now.
 std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
   ContactSolver& contact = *compiled_.contact;
-  Ids others;
+  Ids apart;
   std::set_difference(fallen.parts.begin(), fallen.parts.end(), fallen.met.begin(), fallen.met.end(),
-                      std::back_inserter(others));
-  std::vector<ContactSolver::Made> out = contact.make_anew(others, fallen.part_edits);
+                      std::back_inserter(apart));
+  std::vector<ContactSolver::Made> out = contact.make_anew(apart, fallen.part_edits);
   if (fallen.met.empty()) return out;
-  NamedPart now{.names = {.particles = fallen.particles, .rods = fallen.rods}};
-  now.scene.gravity = fallen.scene.gravity;
-  now.scene.drag = fallen.scene.drag;
-  now.scene.particles = fallen.scene.particles;
-  now.scene.rods = fallen.scene.rods;
-  if (mass_model_of(settings_) == MassModel::lumped) lump_masses(now.scene);
-  const std::vector<ContactSolver::Made> made =
-      contact.make_met(fallen.met, fallen.part_edits, std::move(now));
+  NamedPart homes, others = fallen.held;
+  homes.names.particles = fallen.particles;
+  homes.names.rods = fallen.rods;
+  homes.scene.particles = fallen.scene.particles;
+  homes.scene.rods = fallen.scene.rods;
+  for (Scene* const scene : {&homes.scene, &others.scene}) {
+    scene->gravity = gravity_;
+    scene->drag = drag();
+    scene->joint_drag = joint_drag();
+    if (mass_model_of(settings_) == MassModel::lumped) lump_masses(*scene);
+  }
+  const std::vector<ContactSolver::Made> made = contact.make_met(
+      {fallen.met, fallen.part_edits, std::move(homes), std::move(others), breaks_.scene_now().particles});
   out.insert(out.end(), made.begin(), made.end());
   return out;
+}
+
+/// Lets what was moved elsewhere, or came together, go on in the contact solver as it went.
+void Step::go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made) {
+  for (const std::uint32_t particle : fallen.held.names.particles)
+    if (const Place* const place = contact_place(particle); place && !anchors_.is_fixed(particle))
+      if (const Vec3 force = loads_.force(particle); force != Vec3{})
+        compiled_.contact->set_force(place->slot, force);
+  const Ids& rods = fallen.held.names.rods;
+  for (const std::uint32_t cord : lengths_.moving())
+    if (std::find(rods.begin(), rods.end(), cord) != rods.end())
+      tell_length(cord, lengths_.length(cord), lengths_.rate(cord));
+  if (fallen.met.empty() && fallen.part_edits.fixed.empty()) return;
+  for (const auto& [island, visits] : made)
+    if (!compiled_.contact->may_go_home(compiled_.contact->first_slot(island)))
+      compiled_.contact->project_edited_velocities(island);
 }
 
 /// Leads from particles to where the contact solver has their new islands, and from those to their homes.

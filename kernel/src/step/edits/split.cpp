@@ -59,6 +59,7 @@ void Step::split(StepReport&) {
   for (const std::uint32_t rod : fallen.rods) now.lengths.push_back(lengths_.length(rod));
   for (const std::uint32_t tackle : fallen.tackles)
     now.lengths.push_back(lengths_.length(tackle_cord(tackle)));
+  for (const std::uint32_t rod : fallen.held.names.rods) now.lengths.push_back(lengths_.length(rod));
   if (!now.edits.joined.empty()) settle(fallen, now);
   split(std::move(fallen), now);
   log_.push(std::move(now));
@@ -91,6 +92,7 @@ void Step::split(Fallen fallen, Split& now) {
     }
   if (!fallen.any()) return;
   set_state(fallen, now);
+  set_held_state(fallen, now);
   exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_));
 }
 
@@ -106,6 +108,22 @@ void Step::set_state(Fallen& fallen, const Split& now) const {
     wind(fallen.scene.rods[k], rod_length(breaks_.scene_now(), fallen.rods[k]), now.lengths[k]);
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
+}
+
+/// Lets what others move from now on begin where it is, and as fast. Anchors have the velocities that they
+/// were moved with.
+void Step::set_held_state(Fallen& fallen, const Split& now) const {
+  Scene& scene = fallen.held.scene;
+  const Names& names = fallen.held.names;
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const std::uint32_t number = names.particles[k];
+    scene.particles[k].position = position(number);
+    scene.particles[k].velocity =
+        anchors_.is_fixed(number) ? anchors_.last_velocity(number) : velocity(number);
+  }
+  const std::size_t first = fallen.rods.size() + fallen.tackles.size();
+  for (std::size_t k = 0; k < scene.rods.size(); ++k)
+    wind(scene.rods[k], rod_length(breaks_.scene_now(), names.rods[k]), now.lengths[first + k]);
 }
 
 /// Takes from islands that rods have joined what pulls on those: an inelastic blow, which keeps momentum and
@@ -162,7 +180,10 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   compiled_.info.islands += made.info.islands - islands;
   seat(std::move(made.solvers), now.seats);
   put_places(fallen, made, now.seats);
-  if (!fallen.parts.empty()) compiled_.info.islands += put_parts(parts);
+  if (!fallen.parts.empty()) {
+    compiled_.info.islands += put_parts(parts);
+    go_on_in_contact(fallen, parts);
+  }
   find_heads(fallen.of_linkages);
   for (std::size_t k = 0; k < linkages_slept.size(); ++k)
     if (linkages_slept[k] != 0 && events_.is_head(fallen.of_linkages[k]))

@@ -1,0 +1,125 @@
+// This file brings islands of the contact solver together.
+
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include "contact/contact_solver.hpp"
+
+namespace plumb::detail {
+
+auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
+  std::vector<std::uint32_t> homes = of.homes.names.particles;
+  std::sort(homes.begin(), homes.end());
+  std::vector<NamedPart> plain, parts;
+  std::set<std::uint32_t> visiting;
+  Met met;
+  for (const std::uint32_t island : of.islands) {
+    clusters_.wake(island);  // and what lies on it
+    const LinkageState& state = states_[island];
+    NamedPart part = named_part(island);
+    if (!visitors_[island].is_at_home())
+      visiting.insert(part.names.particles.begin(), part.names.particles.end());
+    for (std::uint32_t k = 0; k < part.names.particles.size(); ++k)
+      if (k >= state.linkage->movable() || is_plain_[island] == 0)
+        met.were.try_emplace(part.names.particles[k], island, k);
+    if (is_plain_[island] != 0) {
+      met.plain_gradient = state.gradient;
+      for (const std::uint32_t rod : of.edits.cut) part.cut(rod);
+      plain.push_back(std::move(part));
+    } else {
+      edit(part, of.edits);
+      parts.push_back(std::move(part));
+    }
+  }
+  for (NamedPart* const each : {&of.homes, &of.others}) plain.insert(plain.begin(), std::move(*each));
+  NamedPart simple = joined(plain);
+  simple.end_fixed();
+  simple.end_torn_capsules(nullptr);
+  for (std::size_t k = 0; k < simple.names.particles.size(); ++k)
+    met.now.emplace(simple.names.particles[k], simple.scene.particles[k]);
+  parts.push_back(std::move(simple));
+  NamedPart all = joined(parts);
+  for (std::size_t k = 0; k < all.names.particles.size(); ++k) {
+    Particle& particle = all.scene.particles[k];
+    particle.position = of.began[all.names.particles[k]].position;
+    if (const auto now = met.now.find(all.names.particles[k]); now != met.now.end()) {
+      particle.fixed = now->second.fixed;
+      particle.mass = now->second.mass;
+    }
+  }
+  all.end_fixed();
+  std::vector<Made> out;
+  const auto goes_home = [&](const SceneParts& part_list, std::uint32_t p) {
+    return std::binary_search(homes.begin(), homes.end(),
+                              all.names.particles[part_list.particles(p).front()]);
+  };
+  replace(of.islands, all, goes_home, [&](const SceneParts& part_list, std::uint32_t p, LinkageState& state) {
+    begin_met(met, all.names.particles, part_list.particles(p), state);
+    copy_laws(all, part_list, p, state, false);
+    const auto movable = std::span(state.particles).first(state.linkage->movable());
+    out.push_back({state.number, std::any_of(movable.begin(), movable.end(), [&](std::uint32_t particle) {
+                     return visiting.contains(particle);
+                   })});
+  });
+  return out;
+}
+
+/// Lets an island that came together go on as its particles did, which it has in this order.
+void ContactSolver::begin_met(const Met& met, std::span<const std::uint32_t> names,
+                              std::span<const std::uint32_t> order, LinkageState& state) const {
+  const std::uint32_t movable = state.linkage->movable();
+  state.asleep = false;
+  state.gradient = is_plain_[state.number] != 0 ? met.plain_gradient : gradient_;
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    const std::uint32_t particle = names[order[k]];
+    state.particles.push_back(particle);
+    const auto now = met.now.find(particle);
+    const auto at = met.were.find(particle);
+    const LinkageState* const from = at == met.were.end() ? nullptr : &states_[at->second.first];
+    const std::uint32_t old = from ? at->second.second : 0;
+    const bool has_moved = from && old < from->linkage->movable();
+    if (has_moved) {
+      state.x[k] = from->x[old];
+      state.frozen = state.frozen || from->frozen;
+      state.on_ground = state.on_ground || from->on_ground;
+      state.is_relaxed = state.is_relaxed || from->is_relaxed;
+      state.relax_for = std::max(state.relax_for, from->relax_for);
+    } else if (now != met.now.end()) {
+      state.x[k] = now->second.position;
+    }
+    if (k < movable) {
+      state.v[k] = has_moved ? from->v[old] : now->second.velocity;
+      if (has_moved) state.force[k] = from->force[old];
+      if (has_moved) state.acceleration[k] = from->acceleration[old];
+    } else if (from && !has_moved) {
+      state.anchors_went[k - movable] = from->anchors_went[old - from->linkage->movable()];
+    } else if (now != met.now.end() && !has_moved) {
+      state.anchors_went[k - movable] = now->second.velocity;
+    }
+  }
+}
+
+std::string ContactSolver::held_by(Slot slot, std::span<const std::uint8_t> is_fixed) const {
+  NamedPart part = named_part(island_of_[slot]);
+  const std::uint32_t particle = part.names.particles[local(slot)];
+  for (std::size_t k = 0; k < part.names.particles.size(); ++k) {
+    const std::uint32_t each = part.names.particles[k];
+    part.scene.particles[k].fixed = each == particle || is_fixed[each] != 0;
+  }
+  return part.held();
+}
+
+/// Anchors and wound rods go on as they went in the last substep.
+void ContactSolver::project_edited_velocities(std::uint32_t island) {
+  if (relaxes_) return;
+  LinkageState& state = states_[island];
+  const std::span<Vec3> anchors = std::span(state.v).subspan(state.linkage->movable());
+  std::copy(state.anchors_went.begin(), state.anchors_went.end(), anchors.begin());
+  state.lengths.follow_last();
+  project_velocities(state, work_);
+  std::fill(anchors.begin(), anchors.end(), Vec3{});
+  state.lengths.follow(0);
+}
+
+}  // namespace plumb::detail
