@@ -170,19 +170,29 @@ TEST(Log, ForgetsWhatWasAddedAndRemoved) {
     out.added.back().scene.particles.resize(particles);
     return out;
   };
+  using Ids = std::vector<std::uint32_t>;
   detail::Log log;
-  log.push(added(3, 2));
-  log.push(added(5, 3));
-  log.push(added(8, 1));
+  for (const auto& [first, count] : {std::pair{3u, 2u}, {5u, 3u}, {8u, 1u}})
+    log.push_addition(added(first, count));
   EXPECT_EQ(log.splits().size(), 3u);
-  log.push_removal({.removed = {5}}, std::vector<std::uint32_t>{5, 7});
+  log.push_removal({.removed = {5}}, Ids{5, 7});
   EXPECT_EQ(log.splits().size(), 4u);
-  log.push_removal({.removed = {6}}, std::vector<std::uint32_t>{6});
+  log.push_removal({.removed = {6}}, Ids{6});
   EXPECT_TRUE(log.is_of(std::vector{added(3, 2), added(8, 1)}));
-  log.keep(std::vector<std::uint32_t>{4}, {});
-  log.push_removal({.removed = {3}}, std::vector<std::uint32_t>{3, 4});
+  log.push({.rods = {1}}, log.join(Ids{4}));  // a rod of it breaks
+  log.push_removal({.removed = {3}}, Ids{3, 4});
+  EXPECT_TRUE(log.is_of(std::vector{added(8, 1)}));
+  log.push_addition(added(3, 2));
+  log.push({.rods = {2}}, log.join(Ids{4, 8}));  // what comes together ends together
+  log.push_removal({.removed = {3}}, Ids{3, 4});
+  EXPECT_EQ(log.splits().size(), 4u);
+  log.push_removal({.removed = {8}}, Ids{8});
+  EXPECT_EQ(log.splits().size(), 0u);
+  log.push_addition(added(3, 2));
+  log.push({.rods = {2}}, log.join(Ids{0, 4}));  // and what comes together with the scene stays with it
+  log.push_removal({.removed = {3}}, Ids{3, 4});
   EXPECT_EQ(log.splits().size(), 3u);
-  log.push_removal({.removed = {0}}, std::vector<std::uint32_t>{0});
+  log.push_removal({.removed = {0}}, Ids{0});
   EXPECT_EQ(log.splits().size(), 4u);
 }
 
@@ -206,6 +216,41 @@ TEST(Adding, EqualsAWorldThatHadItFromTheStart) {
       EXPECT_LE(rms_distance(test::positions_of(world), test::positions_of(fresh)), rounding);
       EXPECT_LE(rms_distance(test::velocities_of(world), test::velocities_of(fresh)), 100 * rounding);
     }
+  });
+}
+
+// A world in which things come, fall apart and go takes no more memory for it in the end.
+TEST(Adding, ForgetsWhatFellApartAndWent) {
+  const Scene scene = chains(2, 4), more = chains(1, 6, 20);
+  for_methods([&](const Settings& settings) {
+    World world(scene, settings), other(scene, settings);
+    std::vector<std::size_t> sizes;
+    for (int i = 0; i < 4; ++i) {
+      const Added one = world.add(more), two = world.add(more);
+      world.step(frame);
+      world.cut(one.rod + 2);
+      world.join({.a = one.particle + 6, .b = two.particle + 5});
+      world.step(frame);
+      world.set_mass(one.particle + 1, 2);
+      world.fix(two.particle + 3);
+      world.step(frame);
+      world.cut(two.rod + 4);
+      world.step(frame);
+      for (std::uint32_t k = one.particle; k < one.particle + 14; ++k)
+        if (world.handle<Particle>(k) && !(world.velocity(k) == Vec3{})) world.remove(k);
+      for (std::uint32_t k = one.particle; k < one.particle + 14; ++k)
+        if (world.handle<Particle>(k)) world.remove(k);
+      world.step(frame);
+      sizes.push_back(world.snapshot_size());
+    }
+    EXPECT_EQ(sizes.back(), sizes[0]);
+    std::vector<std::byte> bytes(world.snapshot_size());
+    world.save(bytes);
+    other.restore(bytes);
+    EXPECT_EQ(other.state_hash(), world.state_hash());
+    EXPECT_EQ(other.add(more), world.add(more));
+    for (World* const each : {&world, &other}) test::run(*each, frame, 3);
+    EXPECT_EQ(other.state_hash(), world.state_hash());
   });
 }
 

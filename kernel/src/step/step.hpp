@@ -269,6 +269,7 @@ class Step {
   void require_joinable(const Rod& rod) const;
   void put_joined(const Edits& edits);
   void set_state(Fallen& fallen, const Split& now) const;
+  Log::Group group_of(const Fallen& fallen, const Split& now);
   void set_held_state(Fallen& fallen, const Split& now) const;
   void settle(Fallen fallen, Split& now) const;
   void change_gravity();

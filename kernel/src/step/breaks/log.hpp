@@ -16,7 +16,7 @@ struct Split {
   std::vector<std::uint32_t> rods{};  ///< They broke; by number in the whole scene.
   Edits edits{};
   std::vector<Vec3> positions{}, velocities{};  ///< m and m/s, of Fallen::particles
-  std::vector<double> lengths{};                ///< m, of Fallen::rods and then of Fallen::tackles
+  std::vector<double> lengths{};                ///< m, of Fallen::rods, of its tackles, and of rods it holds
   std::vector<Addition> added{};                ///< one at most
   std::vector<std::uint32_t> removed{};         ///< one particle of an island at most
   std::vector<std::uint32_t> seats{};           ///< numbers of the solvers that were made
@@ -30,15 +30,21 @@ void visit_members(Archive& archive, Split& of) {
   archive(rods, edits, positions, velocities, lengths, added, removed, seats, islands);
 }
 
-/// Lists what a world did to the islands of its scene. Of what was added, and removed again as it was added,
-/// nothing stays.
+/// Lists what a world did to the islands of its scene. Of what was added nothing stays once it is removed,
+/// with all that it came together with: what was done to that meanwhile goes, too.
 class Log {
  public:
-  void push(Split split);
-  /// Notes that islands of particles are made anew or lose a rod, and that particles have other masses: that
-  /// of an anchor touches no island.
-  void keep(std::span<const std::uint32_t> particles, const Edits& edits);
-  /// Ends with particles that `split` has removed.
+  /// Numbers a group of entries that depend on each other, and end together.
+  using Group = std::uint32_t;
+
+  /// Takes an addition.
+  void push_addition(Split split);
+  /// Returns the group of what is done to particles, whose groups become one. It ends with the world if the
+  /// scene had one of them.
+  Group join(std::span<const std::uint32_t> particles);
+  /// Takes what was done to particles of a group.
+  void push(Split split, Group group);
+  /// Takes a removal of particles.
   void push_removal(Split split, std::span<const std::uint32_t> particles);
 
   std::vector<Split> splits() const;
@@ -49,27 +55,27 @@ class Log {
   void archive_entries(Archive& archive) {
     std::uint64_t count = entries_.size();
     archive(count);
-    for (auto& [serial, entry] : entries_) archive(entry.split);
+    for (auto& [serial, split] : entries_) archive(split);
   }
 
  private:
   using Serial = std::uint32_t;
-  static constexpr Serial none = 0;
-  struct Entry {
-    Split split;
-    std::uint32_t left = 0;          ///< particles of an addition that are still there
-    bool is_kept = false;            ///< Something else was done to them.
-    std::vector<Serial> removals{};  ///< of others of them
+  static constexpr Group of_scene = 0;  ///< that never ends
+  struct Members {
+    std::vector<Serial> entries{};
+    std::vector<std::uint32_t> particles{};  ///< those that were added; removed ones may be among them
+    std::uint32_t left = 0;                  ///< how many of them are still there
   };
-  Serial put(Split split);
-  void keep(std::uint32_t particle);
-  Serial addition_of(std::uint32_t particle) const {
-    return particle < additions_.size() ? additions_[particle] : none;
+  Group group_of(std::uint32_t particle) const {
+    return particle < groups_.size() ? groups_[particle] : of_scene;
   }
+  Group merge(Group one, Group other);
 
-  std::map<Serial, Entry> entries_;
-  std::vector<Serial> additions_;  ///< by particle: the entry that has added it
-  Serial last_ = none;
+  std::map<Serial, Split> entries_;
+  std::map<Group, Members> members_;
+  std::vector<Group> groups_;  ///< by particle
+  Serial last_ = 0;
+  Group last_group_ = of_scene;
 };
 
 }  // namespace plumb::detail

@@ -114,13 +114,13 @@ void Step::redo(const Split& split, const Step& from) {
   if (!split.added.empty()) {
     now.added = split.added;
     put(now, compile_addition(scene_of(now.added.front())));
-    return log_.push(std::move(now));
+    return log_.push_addition(std::move(now));
   }
   now.rods = split.rods;
   now.edits = split.edits;
   require_simple_meeting("settings", now.edits);
   const Fallen fallen = take_out(now);
-  log_.keep(fallen.touched, now.edits);
+  const Log::Group group = group_of(fallen, now);
   put_joined(now.edits);
   const Scene& scene = breaks_.scene_now();
   for (const std::uint32_t particle : fallen.particles)
@@ -142,7 +142,7 @@ void Step::redo(const Split& split, const Step& from) {
   }
   go_on_as_long(fallen.held.names.rods);
   this->split(fallen, now);
-  log_.push(std::move(now));
+  log_.push(std::move(now), group);
 }
 
 }  // namespace plumb::detail

@@ -37,7 +37,7 @@ ByKind<std::uint32_t> Step::add(const Scene& scene) {
     population_.all()[kind]->take(*first.all()[kind], *sizes.all()[kind]);
   grow_tables();
   put(now, std::move(made));
-  log_.push(std::move(now));
+  log_.push_addition(std::move(now));
   return first;
 }
 

@@ -44,7 +44,7 @@ void Step::split(StepReport&) {
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
   Fallen fallen = take_out(now);
-  log_.keep(fallen.touched, now.edits);
+  const Log::Group group = group_of(fallen, now);
   put_joined(now.edits);
   now.positions.reserve(fallen.particles.size());
   now.velocities.reserve(fallen.particles.size());
@@ -62,7 +62,19 @@ void Step::split(StepReport&) {
   for (const std::uint32_t rod : fallen.held.names.rods) now.lengths.push_back(lengths_.length(rod));
   if (!now.edits.joined.empty()) settle(fallen, now);
   split(std::move(fallen), now);
-  log_.push(std::move(now));
+  log_.push(std::move(now), group);
+}
+
+/// Returns the log's group of what is done: of all particles that it names.
+Log::Group Step::group_of(const Fallen& fallen, const Split& now) {
+  std::vector<std::uint32_t> particles = fallen.touched;
+  const auto add_ends = [&](const Rod& rod) { particles.insert(particles.end(), {rod.a, rod.b}); };
+  for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
+    for (const std::uint32_t rod : *rods) add_ends(breaks_.scene_now().rods[rod]);
+  for (const Joined& each : now.edits.joined) add_ends(each.rod);
+  for (const auto& [particle, mass] : now.edits.masses) particles.push_back(particle);
+  for (const auto& [particle, is_fixed] : now.edits.fixed) particles.push_back(particle);
+  return log_.join(particles);
 }
 
 /// Does again what a world of this scene did.
@@ -74,13 +86,13 @@ void Step::repeat(Split split_then) {
   }
   if (!split_then.added.empty()) {
     put(split_then, compile_addition(scene_of(split_then.added.front())));
-  } else {
-    Fallen fallen = take_out(split_then);
-    log_.keep(fallen.touched, split_then.edits);
-    put_joined(split_then.edits);
-    split(std::move(fallen), split_then);
+    return log_.push_addition(std::move(split_then));
   }
-  log_.push(std::move(split_then));
+  Fallen fallen = take_out(split_then);
+  const Log::Group group = group_of(fallen, split_then);
+  put_joined(split_then.edits);
+  split(std::move(fallen), split_then);
+  log_.push(std::move(split_then), group);
 }
 
 /// Lets new solvers move what fell apart or was edited, if anything did.
