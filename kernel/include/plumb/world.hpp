@@ -139,6 +139,7 @@ class PLUMB_API World {
   /// Lets a rod become `target` (m) long in the next step, at a constant rate, as a winch does. A broken one
   /// ignores it. Throws InputError on an unknown rod, a length not positive and finite, and rods of reels,
   /// twists or fixed ends. Beside joints or shapes it does so on what gives, bends, drags or is of a body.
+  /// An edit that brings such a rod there in the step of its change is refused, too.
   void set_length(std::uint32_t rod, double target);
 
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the

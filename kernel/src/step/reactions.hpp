@@ -73,12 +73,12 @@ class Reactions {
     add_rod(scene, model, rod, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
     insert_from(before, anchors);
   }
-  /// Looks again at all bodies, of which particles were fixed or freed. `bodies` knows which there are.
-  template <class Bodies, class Anchors>
-  void refix_bodies(const Scene& scene, const Bodies& bodies, const Anchors& anchors) {
+  /// Looks again at all bodies, of which particles were fixed or freed. is_there(body) says which there are.
+  template <class IsThere, class Anchors>
+  void refix_bodies(const Scene& scene, IsThere&& is_there, const Anchors& anchors) {
     std::erase_if(held_, [](const Held& held) { return held.rod == no_rod; });
     for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
-      if (bodies.has(i)) insert_body(scene, i, anchors);
+      if (is_there(i)) insert_body(scene, i, anchors);
   }
   /// Looks at a body that is new. Its particles have the world's numbers.
   template <class Anchors>
@@ -86,6 +86,10 @@ class Reactions {
     const std::size_t before = held_.size();
     add_body(scene, body, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
     insert_from(before, anchors);
+  }
+  /// Forgets an anchor that is freed, with rods that hung from it and were cut.
+  void end(std::uint32_t anchor) {
+    std::erase_if(held_, [&](const Held& held) { return held.anchor == anchor; });
   }
   /// Forgets what hangs from an anchor by rods that are listed, which ascend.
   void remove(std::uint32_t anchor, std::span<const std::uint32_t> rods);

@@ -290,6 +290,8 @@ class Step {
   void require_mass(std::uint32_t particle) const;
   void require_refixable(std::uint32_t particle, bool is_fixed) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
+  bool meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t>& ends) const;
+  bool is_of_body(std::uint32_t rod) const;
   void require_simple_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.

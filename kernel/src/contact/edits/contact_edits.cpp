@@ -97,7 +97,8 @@ void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, s
           [&](std::uint32_t i, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
             copy_rod(from, old, to, own, whole.scene.rods[i].law.stiffness != 0);
             const RodLengths::Change* const change = from.lengths.find(old);
-            if (change && (with_plain_lengths || is_plain_[from.number] == 0))
+            const bool is_cut = !whole.scene.rods[i].law.is_rigid();  // and its mass alone is left
+            if (change && !is_cut && (with_plain_lengths || is_plain_[from.number] == 0))
               to.lengths.take(*change, own, to.linkage->rods());
           });
   for_own(whole.names.angles, owners_.angles, shares.angles,
@@ -206,6 +207,9 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   for (const auto& [particle, mass] : edits.heavier)
     if (const std::size_t k = index(particle); k < part.names.particles.size())
       part.scene.particles[k].mass += mass;
+  for (const std::uint32_t particle : edits.freed)  // first: it may hold what another one held that is fixed
+    if (const std::size_t k = index(particle); k < part.names.particles.size())
+      part.scene.particles[k].fixed = false;
   for (const std::uint32_t particle : edits.fixed)
     if (const std::size_t k = index(particle); k < part.names.particles.size())
       part.scene.particles[k].fixed = true;

@@ -28,8 +28,9 @@ struct PartEdits {
   std::vector<std::uint32_t> cut{};                         ///< rods
   std::vector<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
   std::vector<std::uint32_t> fixed{};                       ///< particles that stand from now on
+  std::vector<std::uint32_t> freed{};                       ///< particles that move from now on
 
-  bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty(); }
+  bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty() || !freed.empty(); }
 };
 
 /// Holds islands as a scene, with the numbers that its parts have in the whole one.

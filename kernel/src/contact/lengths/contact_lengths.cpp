@@ -41,6 +41,8 @@ void ContactSolver::set_length(Slot rod, double length, double rate) {
   LinkageState& state = states_[island];
   if (!state.lengths.change(number, length, rate)) {
     const Scene& part = parts_[kind_number(state)];
+    // What gives has no row that could follow. It stops, or was cut: its island is made of what it is now.
+    if (!part.rods[number].law.is_rigid()) return;
     state.lengths.set(number, static_cast<std::uint32_t>(part.rods.size()), rod_length(part, number), length,
                       rate);
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/methods.hpp"
@@ -37,6 +38,27 @@ void Step::require_simple_meeting(const std::string& what, const Edits& edits) c
     require_none("twist", breaks_.twist_at(each));
     require_none("reel", breaks_.reel_at(each));
   }
+  for (const std::uint32_t cord : lengths_.moving())
+    if (lengths_.will_change(cord) && meets_as_no_winch(cord, ends))
+      refuse(what, ": rod ", cord, " would change its length in the next step and give, bend or drag, ",
+             "where its island has joints or shapes");
+}
+
+/// Returns whether a rod would come together with joints or shapes in the next step, and is one that cannot
+/// change its length there. `ends` are of islands that do.
+bool Step::meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t>& ends) const {
+  if (is_line(cord) || is_in_contact(cord) || is_broken(cord)) return false;
+  const Rod& rod = breaks_.scene_now().rods[cord];
+  const std::uint32_t end = rods_.end(cord);
+  const auto has_end = [&](std::uint32_t bend) {
+    const auto particles = particles_of(breaks_.scene_now().bends[bend]);
+    return std::count(particles.begin(), particles.end(), rod.a == end ? rod.b : rod.a) > 0;
+  };
+  const Ids bends = bends_at(end);
+  if (is_plain_rod(rod) && std::none_of(bends.begin(), bends.end(), has_end)) return false;
+  const auto island = breaks_.island_at(end);
+  return std::any_of(ends.begin(), ends.end(),
+                     [&](std::uint32_t each) { return breaks_.island_at(each).data() == island.data(); });
 }
 
 void Step::cut(std::uint32_t rod) {
@@ -46,10 +68,19 @@ void Step::cut(std::uint32_t rod) {
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
-  if (is_in_contact(rod) && compiled_.contact->is_of_body(rod))
-    refuse("rod ", rod, ": is of a body, which stays whole");
+  if (is_of_body(rod)) refuse("rod ", rod, ": is of a body, which stays whole");
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
+}
+
+/// Returns whether a body has both ends of a rod. Nothing moves one while they are fixed.
+bool Step::is_of_body(std::uint32_t rod) const {
+  if (is_in_contact(rod)) return compiled_.contact->is_of_body(rod);
+  if (!anchors_.is_fixed(rods_.end(rod))) return false;
+  const Rod& of = breaks_.scene_now().rods[rod];
+  const Ids one = bodies_at(of.a), other = bodies_at(of.b);
+  return std::any_of(one.begin(), one.end(),
+                     [&](std::uint32_t body) { return std::count(other.begin(), other.end(), body) > 0; });
 }
 
 /// Returns whether the mass of a rod would join its ends after a cut, in an island that may go home from
@@ -237,10 +268,13 @@ void Step::refix(const Edits& edits) {
       const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
       rods_.set_end(rod, anchors_.is_fixed(a) ? b : a);
     }
+    if (settings_.tensions && !is_fixed) reactions_.end(particle);
     if (settings_.tensions) reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods, anchors_);
   }
-  if (!settings_.tensions || edits.fixed.empty() || breaks_.scene_now().bodies.empty()) return;
-  reactions_.refix_bodies(breaks_.scene_now(), population_.bodies, anchors_);
+  if (!settings_.tensions || edits.fixed.empty() || !compiled_.contact) return;
+  // Those of now: what is done again for a snapshot has the population of its end.
+  const auto is_there = [&](std::uint32_t body) { return compiled_.contact->has_body(body); };
+  reactions_.refix_bodies(breaks_.scene_now(), is_there, anchors_);
 }
 
 /// Lets gravity be what was ordered. All wake, since all fall otherwise.

@@ -40,6 +40,10 @@ void Step::take_along(const Edits& edits) {
     }
     for (const std::uint32_t other : bent_with(anchor))
       if (!anchors_.is_fixed(other)) breaks_.take_along(other);
+    // What a capsule alone holds at it comes together with it in the contact solver, and gets a new home.
+    for (const Place& place : compiled_.places.of(anchor))
+      if (&solver(place) == compiled_.contact && compiled_.contact->may_go_home(place.slot))
+        breaks_.take_along(compiled_.contact->particles_of(compiled_.contact->island_of(place.slot)).front());
   }
 }
 
@@ -80,6 +84,8 @@ PartEdits Step::list_part_edits(const Edits& edits, Ids& touched) const {
     if (is_fixed) {
       touched.push_back(particle);
       out.fixed.push_back(particle);
+    } else {
+      out.freed.push_back(particle);
     }
   return out;
 }

@@ -1,5 +1,7 @@
 // This file lets cords of a world change their lengths.
 
+#include <algorithm>
+
 #include "scene/refuse.hpp"
 #include "step/step.hpp"
 
@@ -20,6 +22,13 @@ void Step::set_length(std::uint32_t cord, double target) {
     const Rod& rod = breaks_.scene_now().rods[cord];
     if (will_be_fixed(rod.a) && will_be_fixed(rod.b))
       refuse("rod ", cord, ": its length cannot change, since both its ends are fixed in the next step");
+  }
+  if (edits_.any() && compiled_.contact) {
+    const std::vector<std::uint32_t> ends = meeting(edits_);
+    const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
+    if (std::any_of(ends.begin(), ends.end(), is_known) && meets_as_no_winch(cord, ends))
+      refuse("rod ", cord, ": its length cannot change, since its island has joints or shapes in the next ",
+             "step, and it gives, bends or drags");
   }
   if (cord < reeled_.size() && reeled_[cord] != 0)
     refuse("rod ", cord, ": its length cannot change by itself, since it is on a reel");
