@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "contact/relaxed/visits/share_ranges.hpp"
+#include "plumb/joints.hpp"
 #include "support/executors.hpp"
 
 namespace plumb::detail {

@@ -37,7 +37,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
   place_hulls(crowd);
   if (moved_ < 0) moved_ = crowd.most_moved();
   see_fast(crowd, surroundings.tree.bounds(), team);
-  if (near_.may_meet())
+  if (!near_.pairs().empty())
     lines_.find(cluster, crowd, near_, {&placed_lines_.front().p.x, h, h * recovery_rate_}, team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
