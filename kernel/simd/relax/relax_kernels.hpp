@@ -110,17 +110,16 @@ struct AccessKernels {
 
 /// Fields per end of a shape that ground may hold, in vectors for each vector of ends.
 namespace end_fields {
-inline constexpr std::uint32_t normal = 0;     ///< x, y, z of a unit vector out of the ground
-inline constexpr std::uint32_t gap = 3;        ///< m, what may be lost along it
-inline constexpr std::uint32_t push = 4;       ///< kg m, along the normal
-inline constexpr std::uint32_t across = 5;     ///< kg m, as x, y, z: against sliding
-inline constexpr std::uint32_t over = 8;       ///< kg, what moves it by a metre; 0 where nothing touches
-inline constexpr std::uint32_t moves = 9;      ///< 1/kg, what a push of one moves it by
-inline constexpr std::uint32_t friction = 10;  ///< Coulomb's coefficient
-inline constexpr std::uint32_t mass = 11;      ///< kg; 0 for padding
-inline constexpr std::uint32_t radius = 12;    ///< m
-inline constexpr std::uint32_t force = 13;     ///< N, as x, y, z: what held it in the last substep
-inline constexpr std::uint32_t count = 16;
+inline constexpr std::uint32_t normal = 0;    ///< x, y, z of a unit vector out of the ground
+inline constexpr std::uint32_t gap = 3;       ///< m, what may be lost along it
+inline constexpr std::uint32_t push = 4;      ///< kg m, as x, y, z: along the normal and against sliding
+inline constexpr std::uint32_t friction = 7;  ///< Coulomb's coefficient
+inline constexpr std::uint32_t over = 8;      ///< kg, what moves it by a metre; 0 where nothing touches
+inline constexpr std::uint32_t moves = 9;     ///< 1/kg, what a push of one moves it by
+inline constexpr std::uint32_t mass = 10;     ///< kg; 0 for padding
+inline constexpr std::uint32_t radius = 11;   ///< m
+inline constexpr std::uint32_t force = 12;    ///< N, as x, y, z: what held it in the last substep
+inline constexpr std::uint32_t count = 15;
 }  // namespace end_fields
 
 /// What kernels need of ends. Each is a particle with its position and its displacement (m).
@@ -175,15 +174,14 @@ struct EndKernels {
 /// Fields per contact of places, each a weighted sum of particles, in vectors for each vector of contacts.
 namespace contact_fields {
 inline constexpr std::uint32_t most_terms = 4;
-inline constexpr std::uint32_t normal = 0;     ///< x, y, z of the unit vector along which a gap is kept open
-inline constexpr std::uint32_t gap = 3;        ///< m, what may be lost along it
-inline constexpr std::uint32_t push = 4;       ///< kg m, along the normal
-inline constexpr std::uint32_t across = 5;     ///< kg m, as x, y, z: against sliding
-inline constexpr std::uint32_t over = 8;       ///< kg, what moves the places by a metre; 0 for padding
-inline constexpr std::uint32_t moves = 9;      ///< 1/kg, what a push of one moves them by
-inline constexpr std::uint32_t friction = 10;  ///< Coulomb's coefficient
-inline constexpr std::uint32_t carried = 11;   ///< m, as x, y, z: how far moving ground goes
-inline constexpr std::uint32_t weight = 14;    ///< of each term
+inline constexpr std::uint32_t normal = 0;    ///< x, y, z of the unit vector along which a gap is kept open
+inline constexpr std::uint32_t gap = 3;       ///< m, what may be lost along it
+inline constexpr std::uint32_t push = 4;      ///< kg m, as x, y, z: along the normal and against sliding
+inline constexpr std::uint32_t friction = 7;  ///< Coulomb's coefficient
+inline constexpr std::uint32_t over = 8;      ///< kg, what moves the places by a metre; 0 for padding
+inline constexpr std::uint32_t moves = 9;     ///< 1/kg, what a push of one moves them by
+inline constexpr std::uint32_t carried = 10;  ///< m, as x, y, z: how far moving ground goes
+inline constexpr std::uint32_t weight = 13;   ///< of each term
 inline constexpr std::uint32_t move = weight + most_terms;  ///< 1/kg, what a push of one moves each term by
 inline constexpr std::uint32_t count = move + most_terms;
 }  // namespace contact_fields
@@ -213,6 +211,42 @@ struct ContactKernels {
   T (*measure)(const ContactView<T>&, const ContactRange*, std::uint32_t count);
 };
 
+/// Fields per contact of two lines, in vectors for each vector of contacts. A line joins two particles.
+namespace line_contact_fields {
+inline constexpr std::uint32_t normal = 0;  ///< x, y, z of the unit vector from the second line to the first
+inline constexpr std::uint32_t gap = 3;     ///< m, what may be lost along it
+inline constexpr std::uint32_t push = 4;    ///< kg m, as x, y, z: along the normal and against sliding
+inline constexpr std::uint32_t friction = 7;    ///< Coulomb's coefficient
+inline constexpr std::uint32_t over = 8;        ///< kg, what moves both places by a metre; 0 for padding
+inline constexpr std::uint32_t a = 9, b = 10;   ///< places on both lines, from 0 to 1
+inline constexpr std::uint32_t over_mass = 11;  ///< 1/kg, of the four ends; not there if all are alike
+inline constexpr std::uint32_t ends = 4;
+inline constexpr std::uint32_t count = over_mass + ends, count_if_alike = over_mass;
+}  // namespace line_contact_fields
+
+/// What kernels need of contacts of lines. Their particles have displacements (m). What is alike of all need
+/// not be read of each, and sweeps wait for memory more than for anything else.
+template <class T>
+struct LineContactView {
+  T* p;
+  T* fields;  ///< line_contact_fields, vectors per vector of contacts.
+  const std::uint32_t*
+      at;  ///< Four vectors likewise: where x of the ends are, those of the first line first.
+  std::uint32_t component_stride = 1;
+  T over_mass = 0;  ///< 1/kg, of all ends; 0 if they differ.
+};
+
+/// Loops over ranges of contacts of lines, range after range.
+template <class T>
+struct LineContactKernels {
+  /// Moves ends as pushes do.
+  void (*start)(const LineContactView<T>&, const ContactRange*, std::uint32_t count);
+  /// Visits all contacts once.
+  void (*sweep)(const LineContactView<T>&, const ContactRange*, std::uint32_t count);
+  /// Does so. Returns the largest change of a place, m.
+  T (*measure)(const LineContactView<T>&, const ContactRange*, std::uint32_t count);
+};
+
 /// Loops over particle numbers, whatever the layout. Lengths are multiples of the logical width.
 template <class T>
 struct ParticleKernels {
@@ -238,6 +272,7 @@ struct Kernels {
   EndKernels<T> ends, row_ends;  ///< of records, and of rows
   ContactKernels<T> contacts, row_contacts;
   LineKernels lines;
+  LineContactKernels<T> line_contacts, row_line_contacts;
 };
 
 /// Every instruction set of this family of processors, slowest first, and what one must have for it (`cpu` is

@@ -6,6 +6,7 @@
 
 #include "simd/relax/contacts/contact_lanes.hpp"
 #include "simd/relax/contacts/end_lanes.hpp"
+#include "simd/relax/contacts/line_contact_lanes.hpp"
 #include "simd/relax/contacts/line_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
@@ -187,6 +188,8 @@ constexpr Kernels<T> table = {
     contact_kernels<RecordAccess, T>,
     contact_kernels<GatherAccess, T>,
     line_kernels,
+    line_contact_kernels<RecordAccess, T>,
+    line_contact_kernels<GatherAccess, T>,
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "simd/relax/contacts/contact_scalar.hpp"
 #include "simd/relax/contacts/end_scalar.hpp"
+#include "simd/relax/contacts/line_contact_scalar.hpp"
 #include "simd/relax/contacts/line_scalar.hpp"
 #include "simd/relax/law_scalar.hpp"
 
@@ -160,6 +161,8 @@ constexpr Kernels<T> table = {
     contact_kernels<records, T>,
     contact_kernels<rows, T>,
     line_kernels,
+    line_contact_kernels<T>,
+    line_contact_kernels<T>,
 };
 
 }  // namespace

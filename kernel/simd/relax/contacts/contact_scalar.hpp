@@ -10,7 +10,7 @@
 namespace plumb::simd {
 namespace {
 
-/// Visits a contact, whose place is a sum of particles. Returns what pushes change, in kg m.
+/// Visits a contact, whose place is a sum of particles. Returns what its push changes, in kg m.
 template <std::uint32_t terms, class T>
 Triple<T> visit_contact(const ContactView<T>& view, std::size_t v, std::uint32_t lane) {
   namespace f = contact_fields;
@@ -24,7 +24,7 @@ Triple<T> visit_contact(const ContactView<T>& view, std::size_t v, std::uint32_t
     moved = {moved.x + weight * p[k].x, moved.y + weight * p[k].y, moved.z + weight * p[k].z};
   }
   const Triple<T> carried = contact.load3(f::carried);
-  const Triple<T> by = set_pushes(contact, {moved.x - carried.x, moved.y - carried.y, moved.z - carried.z});
+  const Triple<T> by = set_push(contact, {moved.x - carried.x, moved.y - carried.y, moved.z - carried.z});
   for (std::uint32_t k = 0; k < terms; ++k)
     add_to_place(view.p + at[k * width], view.component_stride, p[k], contact(f::move + k), by);
   return by;

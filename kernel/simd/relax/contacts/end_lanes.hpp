@@ -41,10 +41,10 @@ PLUMB_INLINE Triple<T> triple(const T* three) {
   return {Batch<T>(three[0]), Batch<T>(three[1]), Batch<T>(three[2])};
 }
 
-/// Visits the ends of a machine vector. Returns what pushes change, in kg m.
+/// Visits the ends of a machine vector. Returns what its push changes, in kg m.
 template <class Access, class T>
 PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<Access, T>& ends) {
-  const Triple<T> p = ends.load_places(view.p), by = set_pushes<T>(ends, p);
+  const Triple<T> p = ends.load_places(view.p), by = set_push<T>(ends, p);
   ends.store_places(p + ends.load(end_fields::moves) * by, view.p);
   return by;
 }
@@ -75,9 +75,8 @@ void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint3
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < parts<T>; ++k) {
       const EndLanes<Access, T> ends(view, position<T>(vectors[i], k));
-      const Triple<T> by = ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across);
       const Triple<T> p = ends.load_places(view.p);
-      ends.store_places(p + ends.load(f::moves) * by, view.p);
+      ends.store_places(p + ends.load(f::moves) * ends.load3(f::push), view.p);
     }
 }
 
@@ -112,13 +111,12 @@ PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<Acc
   auto comes = (gap + dot(n, p) <= margin + Batch<T>(rules.spread) * moves) && (mass > zero);
   if (!ground.is_plane) comes = comes && ((moves <= least) || (gap <= least));
   const Triple<T> force = ends.load3(f::force);
-  const Batch<T> along = dot(force, n), square(rules.square);
-  const Batch<T> held = lanes::select(comes && (along > zero), square, zero);
+  const Batch<T> square(rules.square);
+  const Batch<T> held = lanes::select(comes && (dot(force, n) > zero), square, zero);
   const Batch<T> back = lanes::min(Batch<T>(rules.share) * (gap + Batch<T>(rules.slop)), zero);
   ends.store3(n, f::normal);
   ends.store(lanes::select(gap >= zero, gap, back), f::gap);
-  ends.store(held * along, f::push);
-  ends.store3(held * (force - along * n), f::across);
+  ends.store3(held * force, f::push);
   ends.store(lanes::select(comes, mass, zero), f::over);
   return lanes::any(comes);
 }
@@ -158,8 +156,7 @@ void keep_ends(const EndView<T>& view, Range range, T over) {
   namespace f = end_fields;
   for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
     const EndLanes<Access, T> ends(view, position<T>(range.begin, i));
-    ends.store3(Batch<T>(over) * (ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across)),
-                f::force);
+    ends.store3(Batch<T>(over) * ends.load3(f::push), f::force);
   }
 }
 

@@ -23,10 +23,10 @@ struct OneEnd : OnePush<T> {
         stride(view.component_stride) {}
 };
 
-/// Visits an end, which is a particle. Returns what pushes change, in kg m.
+/// Visits an end, which is a particle. Returns what its push changes, in kg m.
 template <AccessKind access, class T>
 Triple<T> visit_end(const EndView<T>& view, const OneEnd<access, T>& end) {
-  const Triple<T> p = load<T>(view.p, end.at, end.stride), by = set_pushes(end, p);
+  const Triple<T> p = load<T>(view.p, end.at, end.stride), by = set_push(end, p);
   add_to_place(view.p + end.at, end.stride, p, end(end_fields::moves), by);
   return by;
 }
@@ -57,10 +57,8 @@ void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint3
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
       const OneEnd<access, T> end(view, vectors[i], lane);
-      const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
-      const T push = end(f::push);
       add_to_place(view.p + end.at, end.stride, load<T>(view.p, end.at, end.stride), end(f::moves),
-                   Triple<T>{push * n.x + across.x, push * n.y + across.y, push * n.z + across.z});
+                   end.load3(f::push));
     }
 }
 
@@ -83,8 +81,8 @@ T gap_of_end(const EndGround<T>& ground, const Triple<T>& x, T radius, Triple<T>
   return (distance - ground.far) - radius;
 }
 
-/// Finds whether an end touches. It does if it is about to come near where others do not push it. Of what
-/// held it in the last substep, nothing is left that pulls along the new normal.
+/// Finds whether an end touches. It does if it is about to come near where others do not push it. What held
+/// it in the last substep does so again, unless it would pull along the new normal.
 template <AccessKind access, class T>
 bool find_end(const EndView<T>& view, const OneEnd<access, T>& end, const EndGround<T>& ground,
               const EndRules<T>& rules) {
@@ -97,13 +95,11 @@ bool find_end(const EndView<T>& view, const OneEnd<access, T>& end, const EndGro
   // What is round is left on the other side of a tangent plane soon.
   if (!ground.is_plane) comes = comes && (moves <= least || gap <= least);
   const Triple<T> force = end.load3(f::force);
-  const T along = dot(force, n), held = comes && along > 0 ? rules.square : T(0);
+  const T held = comes && dot(force, n) > 0 ? rules.square : T(0);
   const T beyond = rules.share * (gap + rules.slop), back = beyond < 0 ? beyond : T(0);
   end.store3(n, f::normal);
   end(f::gap) = gap >= 0 ? gap : back;
-  end(f::push) = held * along;
-  end.store3({held * (force.x - along * n.x), held * (force.y - along * n.y), held * (force.z - along * n.z)},
-             f::across);
+  end.store3({held * force.x, held * force.y, held * force.z}, f::push);
   end(f::over) = comes ? end(f::mass) : T(0);
   return comes;
 }
@@ -140,11 +136,8 @@ void keep_ends(const EndView<T>& view, Range range, T over) {
   for (std::uint32_t v = range.begin; v < range.end; ++v)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
       const OneEnd<access, T> end(view, v, lane);
-      const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
-      const T push = end(f::push);
-      end.store3(
-          {over * (push * n.x + across.x), over * (push * n.y + across.y), over * (push * n.z + across.z)},
-          f::force);
+      const Triple<T> push = end.load3(f::push);
+      end.store3({over * push.x, over * push.y, over * push.z}, f::force);
     }
 }
 

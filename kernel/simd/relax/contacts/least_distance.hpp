@@ -8,4 +8,8 @@ namespace plumb::simd {
 template <class T>
 inline constexpr T least_distance = std::numeric_limits<T>::min();
 
+/// What moves padding by a metre (kg), so that quotients stay numbers.
+template <class T>
+inline constexpr T least_over = T(1e-30);
+
 }  // namespace plumb::simd

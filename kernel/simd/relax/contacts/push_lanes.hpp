@@ -31,17 +31,16 @@ struct PushLanes {
   }
 };
 
-/// Sets the pushes on what has `moved` (m). Returns what they change, in kg m.
+/// Sets the push on what has `moved` (m). Returns what it changes, in kg m.
 template <class T>
-PLUMB_INLINE Triple<T> set_pushes(const PushLanes<T>& of, const Triple<T>& moved) {
+PLUMB_INLINE Triple<T> set_push(const PushLanes<T>& of, const Triple<T>& moved) {
   namespace f = push_fields;
   const Batch<T> zero(T(0));
-  const Triple<T> n = of.load3(f::normal), across_before = of.load3(f::across);
-  const Batch<T> over = of.load(f::over), along = dot(n, moved), before = of.load(f::push);
-  const Batch<T> push = lanes::max(before - over * (of.load(f::gap) + along), zero);
-  Triple<T> across = across_before - over * (moved - along * n);
-  across = across - dot(across, n) * n;
-  const Batch<T> bound = of.load(f::friction) * push, square = dot(across, across);
+  const Triple<T> n = of.load3(f::normal), before = of.load3(f::push);
+  const Triple<T> asked = before - of.load(f::over) * (moved + of.load(f::gap) * n);
+  const Batch<T> along = dot(asked, n), pressing = lanes::max(along, zero);
+  Triple<T> across = asked - along * n;
+  const Batch<T> bound = of.load(f::friction) * pressing, square = dot(across, across);
   // What lies takes no root, nor does what is not pressed.
   if (const auto slides = square > bound * bound; lanes::any(slides)) {
     const Batch<T> one(T(1));
@@ -50,9 +49,9 @@ PLUMB_INLINE Triple<T> set_pushes(const PushLanes<T>& of, const Triple<T>& moved
       share = lanes::select(presses, bound / lanes::sqrt(square), share);
     across = share * across;
   }
-  of.store(push, f::push);
-  of.store3(across, f::across);
-  return (push - before) * n + (across - across_before);
+  const Triple<T> push = pressing * n + across;
+  of.store3(push, f::push);
+  return push - before;
 }
 
 }  // namespace

@@ -34,30 +34,25 @@ void add_to_place(T* p, std::uint32_t stride, const Triple<T>& old, T moves, con
   p[2 * stride] = old.z + moves * by.z;
 }
 
-/// Sets the pushes on what has `moved` (m) in the substep. That along the normal closes the gap that is left,
-/// but never pulls. That across it takes back what slides, as long as it is no larger than friction times the
-/// other (Coulomb). All masses are points, so that a push moves a place alike in all directions. Returns what
-/// both change, in kg m.
+/// Sets the push on what has `moved` (m) in the substep. All masses are points, so that a push moves a place
+/// alike in all directions: what is asked for takes back what slides, and closes the gap that is left. Of
+/// that the nearest is taken that ground can give. It never pulls, and across the normal it is no larger than
+/// friction times what presses (Coulomb). Returns what changes, in kg m.
 template <class T>
-Triple<T> set_pushes(const OnePush<T>& of, const Triple<T>& moved) {
+Triple<T> set_push(const OnePush<T>& of, const Triple<T>& moved) {
   namespace f = push_fields;
-  const Triple<T> n = of.load3(f::normal), before = of.load3(f::across);
-  const T along = dot(n, moved), over = of(f::over), push_before = of(f::push);
-  const T left = push_before - over * (of(f::gap) + along);
-  const T push = left > 0 ? left : T(0);
-  Triple<T> across{before.x - over * (moved.x - along * n.x), before.y - over * (moved.y - along * n.y),
-                   before.z - over * (moved.z - along * n.z)};
-  // What the normal has turned by since the push was kept would pull along it.
-  const T along_normal = dot(across, n);
-  across = {across.x - along_normal * n.x, across.y - along_normal * n.y, across.z - along_normal * n.z};
-  const T bound = of(f::friction) * push, square = dot(across, across);
+  const Triple<T> n = of.load3(f::normal), before = of.load3(f::push);
+  const T over = of(f::over), gap = of(f::gap);
+  const Triple<T> asked{before.x - over * (moved.x + gap * n.x), before.y - over * (moved.y + gap * n.y),
+                        before.z - over * (moved.z + gap * n.z)};
+  const T along = dot(asked, n), pressing = along > 0 ? along : T(0);
+  const Triple<T> across{asked.x - along * n.x, asked.y - along * n.y, asked.z - along * n.z};
+  const T bound = of(f::friction) * pressing, square = dot(across, across);
   const T share = square > bound * bound ? bound / std::sqrt(square) : T(1);
-  across = {share * across.x, share * across.y, share * across.z};
-  const T pushed = push - push_before;
-  of(f::push) = push;
-  of.store3(across, f::across);
-  return {pushed * n.x + (across.x - before.x), pushed * n.y + (across.y - before.y),
-          pushed * n.z + (across.z - before.z)};
+  const Triple<T> push{pressing * n.x + share * across.x, pressing * n.y + share * across.y,
+                       pressing * n.z + share * across.z};
+  of.store3(push, f::push);
+  return {push.x - before.x, push.y - before.y, push.z - before.z};
 }
 
 }  // namespace

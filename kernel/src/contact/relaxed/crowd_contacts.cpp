@@ -37,10 +37,13 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
   place_hulls(crowd);
   if (moved_ < 0) moved_ = crowd.most_moved();
   see_fast(crowd, surroundings.tree.bounds(), team);
+  if (!near_.pairs().empty())
+    lines_.find(cluster, crowd, near_, {&placed_lines_.front().p.x, h, h * recovery_rate_}, team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
   ends_.find(crowd, surroundings, h, h * recovery_rate_);
   ends_.start(crowd);
+  lines_.start(crowd);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     if (!(contact.push > 0)) return;
     const Rare& rare = batch.rare_of(contact);
@@ -92,7 +95,7 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
       // Few are fast. Ground near them is listed in one working memory.
       if (share.number == 0) touch_in_passing(in);
     } else if (kind == 6) {
-      touch_pairs(in, share.of(near_.pairs()));
+      touch_pairs(in, share.of(lines_.left()));
     } else {
       touch_hull_pairs(in);
     }
@@ -165,7 +168,10 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const bool comes = touch.gap + closing <= settings_.margin + 0.25 * norm(shift);
   const bool may_pass =
       other.island == none && kind_of(key) != KeyKind::plane && norm(shift) > settings_.margin;
-  const bool is_watched = (is_hull(in, one) || is_hull(in, other) || may_pass) &&
+  const auto is_hull = [&](const Side& side) {
+    return side.island != none && side.shape >= in.cluster[side.island]->linkage->shapes().size();
+  };
+  const bool is_watched = (is_hull(one) || is_hull(other) || may_pass) &&
                           touch.gap <= in_sight(norm(shift), settings_.length_scale);
   if (!(contact.over < INFINITY) || (!comes && !is_watched)) {
     to.terms.resize(contact.terms.first);
@@ -331,6 +337,7 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
     count_touch(cluster, crowd, batch, contact, h);
   });
   ends_.end(cluster, crowd, h);
+  lines_.end(cluster, crowd, near_, h);
   travelled_ += moved_;
   way_ += moved_;
 }
@@ -344,7 +351,7 @@ std::size_t CrowdContacts<T>::count_contacts() const {
 
 template <class T>
 std::size_t CrowdContacts<T>::count_pushes() const {
-  std::size_t out = ends_.count_pushes();
+  std::size_t out = ends_.count_pushes() + lines_.count_pushes();
   for_contacts([&](const Batch&, const Contact& contact) { out += contact.push > 0; });
   return out;
 }

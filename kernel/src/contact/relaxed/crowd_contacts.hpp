@@ -9,6 +9,7 @@
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/kept_table.hpp"
+#include "contact/relaxed/lines/crowd_lines.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "contact/relaxed/pairs/particle_sides.hpp"
 #include "contact/relaxed/places/middle.hpp"
@@ -28,6 +29,9 @@ namespace plumb::detail {
 /// Coulomb's cone. A visit sets its push to what its places alone ask for. All masses are points, so that a
 /// push moves a place alike in all directions, and the three parts of a push need no matrix.
 ///
+/// Most contacts are those of ends with plain ground and of plain lines with each other, which CrowdEnds and
+/// CrowdLines keep. All others stand here.
+///
 /// A team may share the work. What it finds comes in batches, which follow each other as one list would, so
 /// that the bits are the same however many there are.
 ///
@@ -38,9 +42,9 @@ class CrowdContacts {
  public:
   CrowdContacts(const ContactSettings& settings, const simd::Kernels<T>& kernels)
       : settings_(settings),
-        kernels_(&kernels),
         near_(settings),
         ends_(settings, kernels),
+        lines_(settings, kernels),
         vectors_(kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
@@ -53,6 +57,7 @@ class CrowdContacts {
     near_.find(cluster, crowd, surroundings, ground, dt);
     ends_.clear();
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
+    lines_.begin_step(cluster, crowd, near_);
   }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
@@ -94,6 +99,7 @@ class CrowdContacts {
   /// Ends a step, before another find(): keeps those pushes that end() has left here.
   void keep(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) const {
     ends_.keep(cluster, crowd);
+    lines_.keep(cluster, near_);
   }
 
   /// Returns whether a capsule meets another one in the substep that it would pass.
@@ -104,7 +110,8 @@ class CrowdContacts {
   bool are_fast() const { return is_fast_; }
   /// Returns whether some islands push each other.
   bool hold_islands() const {
-    return any_of([](const Contact& each) { return each.push > 0 && each.island[1] != none; });
+    return lines_.any_push() ||
+           any_of([](const Contact& each) { return each.push > 0 && each.island[1] != none; });
   }
   /// Returns whether ground pushes something.
   bool push_ground() const {
@@ -117,7 +124,7 @@ class CrowdContacts {
 
   bool has_hulls() const { return !near_.hulls().empty(); }
   bool is_empty() const {
-    return !ends_.any_touch() && !any_of([](const Contact&) { return true; });
+    return !ends_.any_touch() && !lines_.any_touch() && !any_of([](const Contact&) { return true; });
   }
   std::size_t count_pushes() const;
 
@@ -277,16 +284,11 @@ class CrowdContacts {
   Side side_of(const Ball& ball) const {
     return {ball.island, ball.ball->shape, near_.terms_of(ball.center), &ball.ball->surface};
   }
-  static bool is_hull(const Substep& in, const Side& side) {
-    return side.island != none && side.shape >= in.cluster[side.island]->linkage->shapes().size();
-  }
   static Barycentric body_of(const Substep& in, const Side& side);
   /// Returns the side of a contact on one of the shapes that ground has.
   static Side ground_side(const Substep& in, std::uint32_t ground);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);
-  void add_lines(const Substep& in, const Pair& pair, const simd::LineTouch& touch);
   std::uint64_t key_of(const Substep& in, const Pair& pair, std::uint32_t which) const;
-  void touch_lines(const Substep& in, std::span<const simd::LinePair> pairs);
   void touch_shapes(const Substep& in, const Pair& pair);
   static bool is_counted(std::span<LinkageState* const> cluster);
   void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
@@ -365,10 +367,10 @@ class CrowdContacts {
                    const Contact& contact, double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
-  const simd::Kernels<T>* kernels_;
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   CrowdEnds<T> ends_;
+  CrowdLines<T> lines_;
   ContactVectors<T> vectors_;
   std::vector<Place> alone_;  ///< what is not in vectors, in the order of contacts
   PlacedHulls placed_hulls_;

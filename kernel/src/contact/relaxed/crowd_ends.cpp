@@ -196,8 +196,7 @@ void CrowdEnds<T>::uncover(const Crowd<T>& crowd, const Surroundings& surroundin
                                    settings_.tolerance))
         continue;
       field(lane, fields::gap) = std::numeric_limits<T>::max();
-      for (const std::uint32_t each :
-           {fields::over, fields::push, fields::across, fields::across + 1, fields::across + 2})
+      for (const std::uint32_t each : {fields::over, fields::push, fields::push + 1, fields::push + 2})
         field(lane, each) = 0;
     }
   }
@@ -257,8 +256,7 @@ template <class T>
 bool CrowdEnds<T>::any_bounces() const {
   bool any = false;
   if (sees_bounces_)
-    for_touching(
-        [&](std::size_t lane) { any = any || (ends_[lane].bounce > 0 && field(lane, fields::push) > 0); });
+    for_touching([&](std::size_t lane) { any = any || (ends_[lane].bounce > 0 && is_pushed(lane)); });
   return any;
 }
 
@@ -267,7 +265,7 @@ void CrowdEnds<T>::bounce(Crowd<T>& crowd) {
   if (!sees_bounces_) return;
   for_touching([&](std::size_t lane) {
     End& end = ends_[lane];
-    if (!(end.bounce > 0 && field(lane, fields::push) > 0)) return;
+    if (!(end.bounce > 0 && is_pushed(lane))) return;
     const Vec3 normal = vector(lane, fields::normal);
     const double leaves = dot(normal, crowd.velocity(place(lane)));
     const double kick = std::max(0.0, end.kick + field(lane, fields::mass) * (end.bounce - leaves));
@@ -287,11 +285,10 @@ void CrowdEnds<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& c
     for (std::size_t lane = group.range.begin * lanes; lane < group.range.end * lanes; ++lane) {
       const End& end = ends_[lane];
       if (!touches(lane) || !cluster[end.island]->pulls.are_asked_for()) continue;
-      const Vec3 normal = vector(lane, fields::normal), across = vector(lane, fields::across);
-      const double push = field(lane, fields::push);
-      if (push * normal + across == Vec3{}) continue;
+      if (!is_pushed(lane)) continue;
+      const Vec3 normal = vector(lane, fields::normal);
       LinkagePulls& pulls = cluster[end.island]->pulls;
-      const Vec3 impulse = (push / h + end.kick) * normal + 1 / h * across;
+      const Vec3 impulse = 1 / h * vector(lane, fields::push) + end.kick * normal;
       if (pulls.counts) pulls.shapes[end.shape] += impulse;
       const double radius = cluster[end.island]->linkage->shape_of(end.shape).radius;
       pulls.touched.add(
@@ -314,17 +311,14 @@ template <class T>
 bool CrowdEnds<T>::any_push() const {
   return std::any_of(touching_.begin(), touching_.end(), [&](std::uint32_t v) {
     const T* const first = &fields_[(v * fields::count + fields::push) * std::size_t{lanes}];
-    return std::any_of(first, first + lanes, [](T push) { return push > 0; });
+    return std::any_of(first, first + std::size_t{3} * lanes, [](T push) { return push != 0; });
   });
 }
 
 template <class T>
 std::size_t CrowdEnds<T>::count_pushes() const {
   std::size_t out = 0;
-  for (const std::uint32_t v : touching_) {
-    const T* const first = &fields_[(v * fields::count + fields::push) * std::size_t{lanes}];
-    out += static_cast<std::size_t>(std::count_if(first, first + lanes, [](T push) { return push > 0; }));
-  }
+  for_touching([&](std::size_t lane) { out += is_pushed(lane); });
   return out;
 }
 

@@ -94,6 +94,7 @@ class CrowdEnds {
     return in_rows_ ? at_[lane / lanes] + static_cast<std::uint32_t>(lane % lanes) : at_[lane];
   }
   bool touches(std::size_t lane) const { return field(lane, simd::end_fields::over) != 0; }
+  bool is_pushed(std::size_t lane) const { return vector(lane, simd::end_fields::push) != Vec3{}; }
   /// Calls f(lane) for all ends that touch, in their order.
   template <class F>
   void for_touching(F&& f) const {

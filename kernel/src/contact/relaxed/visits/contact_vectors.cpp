@@ -3,33 +3,11 @@
 #include <algorithm>
 #include <bit>
 
+#include "contact/relaxed/visits/share_ranges.hpp"
+
 namespace plumb::detail {
 
 namespace fields = simd::contact_fields;
-
-namespace {
-
-/// Calls f(ranges, part) for all ranges, one after the other. A team shares those that are large.
-template <class F>
-void share(Team* team, std::span<const simd::ContactRange> ranges, F&& f) {
-  constexpr std::uint32_t least = 32;  // vectors that take longer than threads to meet
-  if (team == nullptr || team->parts() == 1) return f(ranges, 0u);
-  for (const simd::ContactRange& range : ranges) {
-    const std::uint32_t vectors = range.end - range.begin;
-    if (vectors < least) {
-      f(std::span(&range, 1), 0u);
-      continue;
-    }
-    team->for_parts([&](unsigned part) {
-      const simd::ContactRange own{range.begin + Team::begin_of(vectors, part, team->parts()),
-                                   range.begin + Team::begin_of(vectors, part + 1, team->parts()),
-                                   range.terms};
-      f(std::span(&own, 1), part);
-    });
-  }
-}
-
-}  // namespace
 
 template <class T>
 void ContactVectors<T>::begin(const Crowd<T>& crowd) {
@@ -106,8 +84,7 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact, Pushe
   };
   set3(fields::normal, contact.normal);
   set(fields::gap, contact.gap);
-  set(fields::push, *pushes.push);
-  set3(fields::across, *pushes.across);
+  set3(fields::push, *pushes.push * contact.normal + *pushes.across);
   set(fields::over, contact.over);
   set(fields::moves, 1 / contact.over);
   set(fields::friction, contact.friction);
@@ -139,7 +116,7 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact, Pushe
 
 template <class T>
 void ContactVectors<T>::sweep(Crowd<T>& crowd, Team* team) {
-  share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned) {
+  share_ranges(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned) {
     kernels(crowd).sweep(view(crowd), ranges.data(), static_cast<std::uint32_t>(ranges.size()));
   });
 }
@@ -147,7 +124,7 @@ void ContactVectors<T>::sweep(Crowd<T>& crowd, Team* team) {
 template <class T>
 double ContactVectors<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
   std::array<T, Team::max_size> largest{};
-  share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned part) {
+  share_ranges(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned part) {
     const auto count = static_cast<std::uint32_t>(ranges.size());
     largest[part] = std::max(largest[part], kernels(crowd).measure(view(crowd), ranges.data(), count));
   });
@@ -158,9 +135,10 @@ template <class T>
 void ContactVectors<T>::write_back() {
   for (std::size_t lane = 0; lane < pushes_.size(); ++lane) {
     if (pushes_[lane].push == nullptr) continue;
-    *pushes_[lane].push = field(lane, fields::push);
-    *pushes_[lane].across = {field(lane, fields::across), field(lane, fields::across + 1),
-                             field(lane, fields::across + 2)};
+    const Vec3 normal = vector(lane, fields::normal), push = vector(lane, fields::push);
+    const double along = dot(push, normal);
+    *pushes_[lane].push = std::max(along, 0.0);
+    *pushes_[lane].across = push - along * normal;
   }
 }
 

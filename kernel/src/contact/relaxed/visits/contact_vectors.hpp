@@ -67,6 +67,9 @@ class ContactVectors {
   T& field(std::size_t lane, std::size_t field) {
     return fields_[(lane / lanes * simd::contact_fields::count + field) * lanes + lane % lanes];
   }
+  Vec3 vector(std::size_t lane, std::size_t first) {
+    return {field(lane, first), field(lane, first + 1), field(lane, first + 2)};
+  }
 
   const simd::Kernels<T>* all_kernels_;
   std::vector<std::uint64_t> taken_;                    ///< by particle, a bit for each colour

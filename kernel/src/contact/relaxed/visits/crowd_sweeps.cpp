@@ -56,10 +56,13 @@ void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
   });
 }
 
+// What ground holds comes first in a sweep, and lines that lie on it after that: heaps on triangles come to
+// rest in half the time that they take the other way round.
 template <class T>
 void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
   ends_.sweep(crowd);
   vectors_.sweep(crowd, team);
+  lines_.sweep(crowd, team);
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double&) { visit(crowd, batch, contact); });
 }
 
@@ -67,7 +70,8 @@ template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
   // One after the other: compilers differ in which argument of a call they evaluate first.
   const double of_ends = ends_.measured_sweep(crowd);
-  const double before = std::max(of_ends, vectors_.measured_sweep(crowd, team));
+  const double of_vectors = vectors_.measured_sweep(crowd, team);
+  const double before = std::max({of_ends, of_vectors, lines_.measured_sweep(crowd, team)});
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
     const Change change = visit(crowd, batch, contact);
     if (!change.is_none()) most = std::max(most, size_of(change, batch, contact));
@@ -180,7 +184,7 @@ void CrowdContacts<T>::resist(Crowd<T>& crowd, Batch& batch, const Contact& cont
 
 template <class T>
 double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
-  double most = ends_.depth(crowd);
+  double most = std::max(ends_.depth(crowd), lines_.depth(crowd));
   for_contacts([&](const Batch& batch, const Contact& contact) {
     const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - batch.rare_of(contact).carried;
     most = std::max(most, -contact.gap - dot(contact.normal, moved));
@@ -199,10 +203,11 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
           f(batch, contact, batch.rares[contact.rare]);
     }
   };
-  bool any = ends_.any_bounces();
+  bool any = ends_.any_bounces() || lines_.any_bounces();
   for_bounces([&](const Batch&, const Contact&, const Rare&) { any = true; });
   for (int i = 0; any && i < sweeps; ++i) {
     ends_.bounce(crowd);
+    lines_.bounce(crowd);
     for_bounces([&](const Batch& batch, const Contact& contact, Rare& rare) {
       const std::span<const Term> terms = batch.terms_of(contact.terms);
       const double leaves = dot(contact.normal, crowd.velocity(terms)) - rare.carried_at_end;
