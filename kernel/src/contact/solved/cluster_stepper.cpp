@@ -70,7 +70,10 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].state = cluster[i];
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
+    islands_[i].theta = 0;
+    islands_[i].ground.clear();
   }
+  rows_.clear();  // Those of another cluster, or of another step, are none of this one's.
   for (LinkageState* const state : cluster) state->is_relaxed = false;
   now_ = cluster.front()->elapsed;
   if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
@@ -133,6 +136,9 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   }
   if (!state.can_follow_elastics(h)) return false;
   state.free_waves();
+  island.theta = 0;
+  island.d.assign(state.x.size(), Vec3{});
+  find_bounds(island);
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;

@@ -347,6 +347,7 @@ void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
   const Entry place = place_of(slot);
   const double at[3] = {target.x, target.y, target.z};
   for (std::uint32_t c = 0; c < 3; ++c) state_.tie_x[state_.at(3 * place.node + c, place.lane)] = at[c];
+  velocities_known_ = false;  // or a restored world would find others, from where the anchor is now
 }
 
 // --- Reports
