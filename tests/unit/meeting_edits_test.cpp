@@ -351,5 +351,24 @@ TEST(MeetingEdits, AreAskedAgainByOtherSettings) {
   }
 }
 
+// What was one rope until its middle was fixed has neighbours there still. Ropes at places of their own that
+// coincide have not.
+TEST(MeetingEdits, LeaveNeighboursAtAnAnchorAlone) {
+  for_all([](const Settings& settings) {
+    Scene scene;
+    scene.gravity = {};
+    add_rope(scene, {}, {1, 0, 0}, false);
+    World world(scene, settings);
+    world.fix(2);
+    world.step(frame);
+    EXPECT_EQ(world.info().islands, 2u);
+    EXPECT_TRUE(world.contacts().empty());
+    add_rope(scene, scene.particles[2].position, {0, 0, 1}, true);
+    World apart(scene, settings);
+    apart.step(frame);
+    EXPECT_FALSE(apart.contacts().empty());
+  });
+}
+
 }  // namespace
 }  // namespace plumb

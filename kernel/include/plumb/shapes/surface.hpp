@@ -33,8 +33,8 @@ struct Filter {
   std::uint32_t mask = 0xffffffff;  ///< Bits of the categories that it may touch.
   std::int32_t group = 0;           ///< Group that it belongs to; 0 is none.
   /// Whether it may touch shapes of its own island that say so, too. Neighbours never touch: those that rods
-  /// join over no more than the sum of their radii, or that share a pin. Of shapes other than capsules it is
-  /// refused.
+  /// join over no more than the sum of their radii, or that share a pin. So it is with capsules of two
+  /// islands at one fixed particle. Of shapes other than capsules it is refused.
   bool own_island = false;
 
   /// Returns whether all members are equal.

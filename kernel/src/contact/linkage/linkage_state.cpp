@@ -253,4 +253,20 @@ bool LinkageState::can_follow_elastics(double h) {
   return true;
 }
 
+bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,
+                   std::uint32_t other_capsule) {
+  if (!one.linkage->is_grounded() || !other.linkage->is_grounded()) return false;
+  const auto for_anchors = [](const LinkageState& of, std::uint32_t number, auto&& is_it) {
+    const Linkage::Shape& shape = of.linkage->shapes()[number];
+    for (const ShapePlace* const place : {&shape.a, &shape.b})
+      for (std::uint32_t i = 0; i < place->count; ++i)
+        if (const std::uint32_t k = place->terms[i].particle; k >= of.linkage->movable())
+          if (is_it(of.particles[k])) return true;
+    return false;
+  };
+  return for_anchors(one, capsule, [&](std::uint32_t anchor) {
+    return for_anchors(other, other_capsule, [&](std::uint32_t each) { return each == anchor; });
+  });
+}
+
 }  // namespace plumb::detail

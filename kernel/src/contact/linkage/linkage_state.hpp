@@ -224,6 +224,10 @@ struct LinkageState : LinkageMotion {
   std::vector<Vec3> push_;
 };
 
+/// Returns whether capsules of two islands are at one fixed particle, by their numbers. They overlap there as
+/// neighbours on a rope do, and do not touch either.
+bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,
+                   std::uint32_t other_capsule);
 /// Returns how far constant forces throw an island in dt (s), m.
 double throw_of(const LinkageState& state, double dt);
 /// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable

@@ -268,7 +268,9 @@ void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
   for (std::uint32_t k = 0; k < shapes.size(); ++k) {
     if (!island.sights[k].overlaps(other.sight)) continue;
     for (std::uint32_t l = 0; l < others.size(); ++l)
-      if (island.sights[k].overlaps(other.sights[l]) && plumb::may_touch(shapes[k].filter, others[l].filter))
+      if (island.sights[k].overlaps(other.sights[l]) &&
+          plumb::may_touch(shapes[k].filter, others[l].filter) &&
+          !hang_together(*island.state, k, *other.state, l))
         touch_capsules(i, k, j, l, h);
   }
 }

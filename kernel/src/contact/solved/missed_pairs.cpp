@@ -37,7 +37,8 @@ void ClusterStepper::find_missed_pairs(std::uint32_t i, std::uint32_t j) {
     for (std::uint32_t l = 0; l < others.size(); ++l) {
       const MovingSegment b = motion(j, others[l]);
       if (!search.is_fast(moves_between(a, b), std::min(a.at.radius, b.at.radius)) ||
-          !way.overlaps(bounds_of(b)) || !plumb::may_touch(shapes[k].filter, others[l].filter))
+          !way.overlaps(bounds_of(b)) || !plumb::may_touch(shapes[k].filter, others[l].filter) ||
+          hang_together(*islands_[i].state, k, *islands_[j].state, l))
         continue;
       if (const auto plane = search.passed(a, b))
         missed_pairs_.push_back({i, k, j, l, static_cast<std::uint32_t>(missed_pairs_.size()), *plane});

@@ -301,13 +301,15 @@ void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Cro
 template <class T>
 bool CrowdPairs<T>::may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const {
   if (!bounds_[i].overlaps(bounds_[j])) return false;
-  const std::uint32_t island = island_of(i);
-  if (island == island_of(j)) {
-    const auto lines = static_cast<std::uint32_t>(bodies_.size());
-    if (i >= lines || j >= lines ||
-        !cluster[island]->linkage->neighbors().may_touch(bodies_[i].number, bodies_[j].number))
-      return false;
-  }
+  const std::uint32_t island = island_of(i), other = island_of(j);
+  const auto lines = static_cast<std::uint32_t>(bodies_.size());
+  const bool are_lines = i < lines && j < lines;
+  if (island == other &&
+      !(are_lines && cluster[island]->linkage->neighbors().may_touch(bodies_[i].number, bodies_[j].number)))
+    return false;
+  if (island != other && are_lines &&
+      hang_together(*cluster[island], bodies_[i].number, *cluster[other], bodies_[j].number))
+    return false;
   return plumb::may_touch(filter_of(i), filter_of(j));
 }
 
