@@ -18,6 +18,9 @@ constexpr double least_crushed = 1e-3;
 /// What a fast capsule strikes is swept on until rods are violated by at most this share, or as they were
 /// before. A net opens its meshes no farther then than 5 %.
 constexpr double least_torn = 0.1;
+/// Where sweeps leave rods violated by more than this share, gradient mid would turn that into speed along
+/// them. It takes what particles moved for their velocity then, as in a block (relax.cpp).
+constexpr double least_guarded = 0.05;
 /// A substep in which something is struck, and torn or passed all the same, is cut into at most so many.
 constexpr std::uint32_t most_struck_cuts = 32;
 /// Contacts alone are visited at most so often more, so that what sweeps leave is not in the ground.
@@ -145,6 +148,10 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   const bool is_torn = is_struck() && (is_missed || crowd_.violation(rod_kernels()) > most_violated());
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;
   report.missed_contacts += is_missed;
+  if (gradient == Gradient::mid && crowd_.violation(rod_kernels()) > least_guarded) {
+    gradient = Gradient::new_;
+    ++report.mid_guarded;
+  }
   crowd_.advance(h, gradient);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
