@@ -57,6 +57,24 @@ TEST(EditedTogether, FreeWhatHoldsBeforeTheRestIsFixed) {
   expect_restored(world, scene);
 }
 
+// A rope hangs from a corner of a crate that is to be free, and without the crate it would hang from nothing.
+TEST(EditedTogether, LeaveWhatIsFreedItsMass) {
+  Scene scene = test::crate({0, 2, 0});
+  scene.particles.push_back({.position = {0.5, 2, 0}, .mass = 0.1});
+  World world(scene, {});
+  world.join({.a = 0, .b = 4});
+  world.fix(0);
+  world.step(frame);
+  world.free(0);
+  expect_refusal("particle 0: has no mass to be free with", [&] { world.remove(1); });
+  world.set_mass(0, 0.2);
+  world.remove(1);
+  world.step(frame);
+  EXPECT_TRUE(world.has(world.handle<Particle>(0)));
+  EXPECT_LT(world.velocity(0).y, 0);
+  EXPECT_TRUE(world.problems().empty());
+}
+
 // Nothing moves a body's rod while both its ends are fixed. It is not cut then, either.
 TEST(EditedTogether, KeepBodiesWhole) {
   World world(test::crate({0, 1, 0}), {});

@@ -222,7 +222,7 @@ class PLUMB_API World {
   /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
   ///
   /// Shapes, bodies, joints and springs of the island end, too. Throws InputError on islands with twists or
-  /// reels.
+  /// reels, and if what is freed in the next step would stay without mass.
   void remove(std::uint32_t particle);
   /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
   /// Edits leave islands with solvers of their own, which takes longer. That step takes as long as a start,

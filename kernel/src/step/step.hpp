@@ -258,7 +258,6 @@ class Step {
   std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
   void go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made);
   bool holds_linkage(std::uint32_t particle) const;
-  std::vector<std::uint32_t> bends_at(std::uint32_t particle) const;
   std::vector<std::uint32_t> bent_with(std::uint32_t particle) const;
   void forget(const Names& gone);
   void drop_edits(const Names& of);
@@ -287,7 +286,8 @@ class Step {
   void require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const;
   double misfit_now(std::uint32_t rod, double distance) const;
   std::vector<std::uint32_t> bodies_at(std::uint32_t particle) const;
-  void require_mass(std::uint32_t particle) const;
+  void require_mass_without(const Names& going) const;
+  void require_mass(std::uint32_t particle, const Names& without = {}) const;
   void require_refixable(std::uint32_t particle, bool is_fixed) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   bool meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t>& ends) const;

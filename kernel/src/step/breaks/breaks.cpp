@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
 #include "scene/scene_graph.hpp"
 #include "step/breaks/ids.hpp"
@@ -85,6 +86,21 @@ std::optional<std::uint32_t> Breaks::tackle_at(std::uint32_t particle) const {
   const std::uint32_t whole = whole_[particle];
   if (whole == none || wholes_[whole].tackles.empty()) return {};
   return wholes_[whole].tackles.front();
+}
+
+std::vector<std::uint32_t> Breaks::bends_at(std::uint32_t particle) const {
+  Ids out;
+  const std::vector<Bend>& bends = scene_now().bends;
+  for (std::uint32_t i = 0; i < bends.size(); ++i) {
+    const auto particles = particles_of(bends[i]);
+    if (std::count(particles.begin(), particles.end(), particle) == 0) continue;
+    const auto movable = std::find_if(particles.begin(), particles.end(),
+                                      [&](std::uint32_t each) { return whole_[each] != none; });
+    if (movable == particles.end()) continue;
+    const Ids& of = wholes_[whole_[*movable]].bends;
+    if (std::count(of.begin(), of.end(), i) > 0) out.push_back(i);
+  }
+  return out;
 }
 
 // --- Changes

@@ -131,6 +131,8 @@ class Breaks {
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
   std::optional<std::uint32_t> tackle_at(std::uint32_t particle) const;  ///< any of its island
+  /// Returns the bends that have a particle, and have not ended.
+  std::vector<std::uint32_t> bends_at(std::uint32_t particle) const;
   /// Returns the end of a rod that is not `particle`.
   std::uint32_t other_end(std::uint32_t rod, std::uint32_t particle) const {
     const Rod& of = scene_now().rods[rod];

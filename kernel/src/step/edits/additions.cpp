@@ -133,6 +133,7 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   require_editable("particle", particle, particle);
   if (const auto twist = breaks_.twist_at(particle))
     refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays");
+  require_mass_without(list_island(particle));
   Split now;
   now.removed = {particle};
   Names gone = take_away(particle);
@@ -140,6 +141,17 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   drop_edits(gone);
   log_.push_removal(std::move(now), gone.particles);
   return std::move(gone.particles);
+}
+
+/// Refuses to take away the mass of what is freed in the next step and stays, since others hang from it.
+void Step::require_mass_without(const Names& going) const {
+  for (const auto& [particle, is_fixed] : edits_.fixed) {
+    const auto rods = breaks_.rods_at(particle);
+    const bool stays = std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) {
+      return !std::binary_search(going.rods.begin(), going.rods.end(), rod);
+    });
+    if (!is_fixed && stays) require_mass(particle, going);
+  }
 }
 
 /// Takes an island out, with the fixed particles from which nothing hangs then. Returns what is gone.

@@ -54,7 +54,7 @@ bool Step::meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t
     const auto particles = particles_of(breaks_.scene_now().bends[bend]);
     return std::count(particles.begin(), particles.end(), rod.a == end ? rod.b : rod.a) > 0;
   };
-  const Ids bends = bends_at(end);
+  const Ids bends = breaks_.bends_at(end);
   if (is_plain_rod(rod) && std::none_of(bends.begin(), bends.end(), has_end)) return false;
   const auto island = breaks_.island_at(end);
   return std::any_of(ends.begin(), ends.end(),
@@ -171,7 +171,7 @@ void Step::require_refixable(std::uint32_t particle, bool is_fixed) const {
   require_none("twist", scene.twists);
   const auto stands = [&](std::uint32_t each) { return each == particle || will_be_fixed(each); };
   if (is_fixed) {
-    for (const std::uint32_t i : bends_at(particle)) {
+    for (const std::uint32_t i : breaks_.bends_at(particle)) {
       const Bend& bend = scene.bends[i];
       if (stands(bend.b) && (stands(bend.a) || stands(bend.c)))
         refuse("particle ", particle, ": cannot be fixed, since both ends of a rod of bend ", i, " would be");
@@ -197,18 +197,23 @@ void Step::require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle)
 }
 
 /// Refuses to free a particle that has no mass to move with, neither its own nor from rods and bodies.
-void Step::require_mass(std::uint32_t particle) const {
+/// `without` lists some that go before.
+void Step::require_mass(std::uint32_t particle, const Names& without) const {
   double own = breaks_.own_mass(particle);
   for (const auto& [of, ordered] : edits_.masses)
     if (of == particle) own = ordered;
   const Scene& scene = breaks_.scene_now();
+  const auto goes = [](const Ids& list, std::uint32_t each) {
+    return std::binary_search(list.begin(), list.end(), each);
+  };
   double mass = own + breaks_.taken_mass(particle);
   for (const std::uint32_t rod : breaks_.rods_at(particle)) {
-    if (!breaks_.joins_ends(rod)) continue;
+    if (!breaks_.joins_ends(rod) || goes(without.rods, rod)) continue;
     const RodMass of = rod_mass(scene, rod, MassModel::lumped);
     mass += scene.rods[rod].a == particle ? of.aa : of.bb;
   }
-  for (const std::uint32_t body : bodies_at(particle)) mass += scene.bodies[body].mass;
+  for (const std::uint32_t body : bodies_at(particle))
+    if (!goes(without.bodies, body)) mass += scene.bodies[body].mass;
   if (!(mass > 0 && std::isfinite(mass)))
     refuse("particle ", particle, ": has no mass to be free with, but ", mass,
            " kg; set_mass() gives it one");

@@ -47,23 +47,10 @@ void Step::take_along(const Edits& edits) {
   }
 }
 
-/// Returns the bends that have a particle.
-Ids Step::bends_at(std::uint32_t particle) const {
-  Ids out;
-  const std::vector<Bend>& bends = breaks_.scene_now().bends;
-  for (std::uint32_t i = 0; i < bends.size(); ++i) {
-    const auto particles = particles_of(bends[i]);
-    if (population_.bends.has(i) && !breaks_.has_ended(i) &&
-        std::count(particles.begin(), particles.end(), particle) > 0)
-      out.push_back(i);
-  }
-  return out;
-}
-
-/// Returns the particles that they have.
+/// Returns the particles of a particle's bends.
 Ids Step::bent_with(std::uint32_t particle) const {
   Ids out;
-  for (const std::uint32_t bend : bends_at(particle))
+  for (const std::uint32_t bend : breaks_.bends_at(particle))
     append(out, particles_of(breaks_.scene_now().bends[bend]));
   return out;
 }
