@@ -1,6 +1,7 @@
 #include "contact/linkage/linkage_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/bends/curvature.hpp"
 
@@ -251,6 +252,24 @@ bool LinkageState::can_follow_elastics(double h) {
   for (std::size_t i = 0; i < laws.size(); ++i)
     if (!(swing(laws[i], gives[i], h) <= most_swing)) return false;
   return true;
+}
+
+double top_speed(const LinkageState& state) {
+  double square = 0;
+  const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
+  for (const Vec3 v : state.v) see(v);
+  for (const Linkage::Ball& ball : state.linkage->balls())
+    if (ball.center.count > 1) see(ball.center.of(state.v));
+  return std::sqrt(square) + state.lengths.speed();
+}
+
+double mean_speed(const LinkageState& state) {
+  double mass = 0, sum = 0;
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
+    mass += state.linkage->mass_of(k);
+    sum += state.linkage->mass_of(k) * dot(state.v[k], state.v[k]);
+  }
+  return state.lengths.speed() + (mass > 0 ? std::sqrt(sum / mass) : 0);
 }
 
 bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,

@@ -21,24 +21,6 @@ bool is_finite(const LinkageState& state) {
 
 }  // namespace
 
-double top_speed(const LinkageState& state) {
-  double square = 0;
-  const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
-  for (const Vec3 v : state.v) see(v);
-  for (const Linkage::Ball& ball : state.linkage->balls())
-    if (ball.center.count > 1) see(ball.center.of(state.v));
-  return std::sqrt(square) + state.lengths.speed();
-}
-
-double mean_speed(const LinkageState& state) {
-  double mass = 0, sum = 0;
-  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
-    mass += state.linkage->mass_of(k);
-    sum += state.linkage->mass_of(k) * dot(state.v[k], state.v[k]);
-  }
-  return state.lengths.speed() + (mass > 0 ? std::sqrt(sum / mass) : 0);
-}
-
 ContactSettings scaled(ContactSettings settings) {
   for (double* const each :
        {&settings.margin, &settings.slop, &settings.bounce_speed, &settings.tolerance, &settings.sleep_speed})
