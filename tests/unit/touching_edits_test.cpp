@@ -132,6 +132,26 @@ TEST(TouchingEdits, FixWhatFliesWhereItIs) {
   });
 }
 
+// Parts of a rope are near each other in their first step, and go home when they are not.
+TEST(TouchingEdits, GoHomeAfterTheFirstStep) {
+  for_all([](Settings settings) {
+    for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
+      settings.gradient = gradient;
+      settings.accuracy = 1e-3;
+      Scene scene;
+      add_rope(scene, {0, 1.3, 0}, {0.6, -0.8, 0}, 4, true);
+      for (Rod& rod : scene.rods) rod.mass = 0.1;
+      World world(scene, settings);
+      test::run(world, frame / 2, 2);
+      world.fix(2);
+      test::run(world, frame / 2, 1);
+      world.fix(3);
+      EXPECT_EQ(test::run(world, frame / 2, 5).frozen_islands, 0u);
+      EXPECT_GT(norm(world.velocity(4)), 0.1);
+    }
+  });
+}
+
 // Both halves go on lying, and what is not touched keeps its bits.
 TEST(TouchingEdits, LeaveOthersTheirBits) {
   for_all([](const Settings& settings) {

@@ -191,7 +191,8 @@ void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, 
 
 template <class T>
 void RelaxSolver<T>::end_step(StepReport&) {
-  if (!is_controlled() && !wants_team()) block_.count_substeps(rules_->settings.substeps);
+  if (is_controlled()) return;  // advance() has done that, unless another solver has moved all
+  if (!wants_team()) block_.count_substeps(rules_->settings.substeps);
   has_moved_ = true;
 }
 
