@@ -105,12 +105,14 @@ void CrowdLines<T>::count_push(std::span<LinkageState* const> cluster, const Cro
                   {impulse, place, normal, blows_[lane].approach});
 }
 
+template auto CrowdLines<float>::weights(std::size_t) const -> std::array<double, ends>;
 template void CrowdLines<float>::see_blows(const Crowd<float>&, const CrowdPairs<float>&, double);
 template double CrowdLines<float>::depth(const Crowd<float>&) const;
 template bool CrowdLines<float>::any_bounces() const;
 template void CrowdLines<float>::bounce(Crowd<float>&);
 template void CrowdLines<float>::count_push(std::span<LinkageState* const>, const Crowd<float>&,
                                             const CrowdPairs<float>&, std::size_t, double) const;
+template auto CrowdLines<double>::weights(std::size_t) const -> std::array<double, ends>;
 template void CrowdLines<double>::see_blows(const Crowd<double>&, const CrowdPairs<double>&, double);
 template double CrowdLines<double>::depth(const Crowd<double>&) const;
 template bool CrowdLines<double>::any_bounces() const;
