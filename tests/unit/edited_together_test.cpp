@@ -75,6 +75,20 @@ TEST(EditedTogether, LeaveWhatIsFreedItsMass) {
   EXPECT_TRUE(world.problems().empty());
 }
 
+// A ball is tied to an anchor and fixed in the same step. Nothing moves it then.
+TEST(EditedTogether, FixWhatIsJoined) {
+  Scene scene = rope(true);
+  scene.particles.push_back({.position = {0, 0.5, 0.5}, .mass = 0.2});
+  scene.capsules.push_back({.a = point_at(4), .b = point_at(4), .radius = 0.05});
+  World world(scene, {});
+  world.join({.a = 0, .b = 4});
+  world.fix(4);
+  for (int i = 0; i < 10; ++i) world.step(frame);
+  EXPECT_EQ(world.position(4), scene.particles[4].position);
+  EXPECT_EQ(world.info().islands, 1u);
+  expect_restored(world, scene);
+}
+
 // Nothing moves a body's rod while both its ends are fixed. It is not cut then, either.
 TEST(EditedTogether, KeepBodiesWhole) {
   World world(test::crate({0, 1, 0}), {});

@@ -199,20 +199,9 @@ auto ContactSolver::add(const NamedPart& part) -> std::vector<Made> {
 void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   const Scene before = part.scene;
   for (const std::uint32_t rod : edits.cut) part.cut(rod);
-  const auto index = [&](std::uint32_t particle) {
-    return static_cast<std::size_t>(
-        std::find(part.names.particles.begin(), part.names.particles.end(), particle) -
-        part.names.particles.begin());
-  };
   for (const auto& [particle, mass] : edits.heavier)
-    if (const std::size_t k = index(particle); k < part.names.particles.size())
-      part.scene.particles[k].mass += mass;
-  for (const std::uint32_t particle : edits.freed)  // first: it may hold what another one held that is fixed
-    if (const std::size_t k = index(particle); k < part.names.particles.size())
-      part.scene.particles[k].fixed = false;
-  for (const std::uint32_t particle : edits.fixed)
-    if (const std::size_t k = index(particle); k < part.names.particles.size())
-      part.scene.particles[k].fixed = true;
+    if (Particle* const own = part.find(particle)) own->mass += mass;
+  part.refix(edits);
   part.end_fixed();
   part.end_torn_capsules(&before);
 }

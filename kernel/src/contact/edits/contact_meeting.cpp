@@ -26,6 +26,7 @@ auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
     if (is_plain_[island] != 0) {
       met.plain_gradient = state.gradient;
       for (const std::uint32_t rod : of.edits.cut) part.cut(rod);
+      part.refix(of.edits);
       plain.push_back(std::move(part));
     } else {
       edit(part, of.edits);

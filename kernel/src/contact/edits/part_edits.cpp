@@ -68,6 +68,20 @@ void NamedPart::cut(std::uint32_t number) {
   names.rods.erase(names.rods.begin() + offset);
 }
 
+Particle* NamedPart::find(std::uint32_t particle) {
+  const auto at = std::find(names.particles.begin(), names.particles.end(), particle);
+  return at == names.particles.end()
+             ? nullptr
+             : &scene.particles[static_cast<std::size_t>(at - names.particles.begin())];
+}
+
+void NamedPart::refix(const PartEdits& edits) {
+  for (const std::uint32_t particle : edits.freed)  // first: it may hold what another one held that is fixed
+    if (Particle* const own = find(particle)) own->fixed = false;
+  for (const std::uint32_t particle : edits.fixed)
+    if (Particle* const own = find(particle)) own->fixed = true;
+}
+
 void NamedPart::end_fixed() {
   erase_numbered(scene.rods, names.rods, [&](const Rod& rod) {
     return scene.particles[rod.a].fixed && scene.particles[rod.b].fixed;

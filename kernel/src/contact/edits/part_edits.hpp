@@ -42,6 +42,10 @@ class NamedPart {
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.
   void cut(std::uint32_t rod);
+  /// Returns a particle by its number, or null if it is not here.
+  Particle* find(std::uint32_t particle);
+  /// Fixes and frees particles.
+  void refix(const PartEdits& edits);
   /// Ends rods and capsules that no movable particle has.
   void end_fixed();
   /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was, or null
