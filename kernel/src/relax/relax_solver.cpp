@@ -367,10 +367,8 @@ void RelaxSolver<T>::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
 
 template <class T>
 void RelaxSolver<T>::set_away(Slot slot, bool away) {
-  if (away)
-    ++away_[piece_of(slot)];
-  else
-    --away_[piece_of(slot)];
+  auto& count = away_[piece_of(slot)];
+  away ? ++count : --count;
 }
 
 // --- Settings and reports
