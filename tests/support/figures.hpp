@@ -71,6 +71,20 @@ inline void add_hose(Scene& scene, Vec3 from, bool is_fixed) {
     scene.bends.push_back({.a = i, .b = i + 1, .c = i + 2, .stiffness = 0.05, .damping = 1e-3});
 }
 
+/// Appends a rope of four rods of 0.1 m, with capsules along them if these have a radius (m), and returns its
+/// first particle.
+inline std::uint32_t add_rope(Scene& scene, Vec3 from, Vec3 way, bool is_anchored, double radius) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  for (std::uint32_t i = 0; i <= 4; ++i)
+    scene.particles.push_back(
+        {.position = from + 0.1 * i * way, .mass = 0.1, .fixed = is_anchored && i == 0});
+  for (std::uint32_t i = first; i < first + 4; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
+    if (radius > 0) scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
+  }
+  return first;
+}
+
 inline Scene crate(Vec3 center) {
   Scene out;
   add_crate(out, center);

@@ -22,24 +22,11 @@ namespace {
 using test::add_crate;
 using test::add_figure;
 using test::add_hose;
+using test::add_rope;
 using test::expect_refusal;
 using test::for_jointed_settings;
 
 constexpr double frame = 1.0 / 60;
-
-/// Appends a rope of rods of 0.1 m and returns its first particle.
-std::uint32_t add_rope(Scene& scene, Vec3 from, Vec3 way, bool is_anchored, bool has_shapes) {
-  const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (std::uint32_t i = 0; i <= 4; ++i)
-    scene.particles.push_back(
-        {.position = from + 0.1 * i * way, .mass = 0.1, .fixed = is_anchored && i == 0});
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    scene.rods.push_back({.a = first + i, .b = first + i + 1, .length = 0.1});
-    if (has_shapes)
-      scene.capsules.push_back({.a = point_at(first + i), .b = point_at(first + i + 1), .radius = 0.01});
-  }
-  return first;
-}
 
 /// A figure of two bodies that flies, a crate, a rope that hangs with shapes and one without, and a hose.
 /// Their first particles:
@@ -48,8 +35,8 @@ Scene several() {
   Scene scene;
   add_figure(scene, {0, 2, 0});
   add_crate(scene, {2, 2, 0});
-  add_rope(scene, {4, 2, 0}, {0, -1, 0}, true, true);
-  add_rope(scene, {6, 2, 0}, {0, -1, 0}, true, false);
+  add_rope(scene, {4, 2, 0}, {0, -1, 0}, true, 0.01);
+  add_rope(scene, {6, 2, 0}, {0, -1, 0}, true, 0);
   add_hose(scene, {8, 2, 0}, true);
   return scene;
 }
@@ -165,7 +152,7 @@ TEST(LinkageEdits, FreeAFigureFromItsAnchor) {
     Scene scene;
     add_figure(scene, {0, 2, 0});
     scene.particles[1].fixed = true;
-    add_rope(scene, scene.particles[1].position, {0, 0, 1}, true, false);
+    add_rope(scene, scene.particles[1].position, {0, 0, 1}, true, 0);
     scene.rods[scene.rods.size() - 4].a = 1;  // the rope hangs from the figure's anchor, too
     World world(scene, settings);
     step(world, 10);

@@ -11,6 +11,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/edited_worlds.hpp"
+#include "support/figures.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -22,15 +23,7 @@ constexpr double frame = 1.0 / 60;
 
 /// Appends a rope of four rods of 0.1 m, with capsules along them or none.
 void add_rope(Scene& scene, Vec3 from, Vec3 way, bool is_anchored, bool has_shapes = true) {
-  const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (std::uint32_t i = 0; i <= 4; ++i)
-    scene.particles.push_back(
-        {.position = from + 0.1 * i * way, .mass = 0.1, .fixed = is_anchored && i == 0});
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    scene.rods.push_back({.a = first + i, .b = first + i + 1, .length = 0.1});
-    if (has_shapes)
-      scene.capsules.push_back({.a = point_at(first + i), .b = point_at(first + i + 1), .radius = 0.02});
-  }
+  test::add_rope(scene, from, way, is_anchored, has_shapes ? 0.02 : 0);
 }
 
 /// A rope on a floor, one that hangs above it, one that hangs far away, and one without shapes.

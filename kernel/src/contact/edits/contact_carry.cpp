@@ -7,20 +7,6 @@
 #include "contact/contact_solver.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Copies how elastics pull and are numbered, where as many are there.
-void copy_range(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
-                Linkage::ElasticRange made) {
-  if (old.count != made.count) return;
-  for (std::uint32_t i = 0; i < old.count; ++i) {
-    to.laws[made.first + i] = from.laws[old.first + i];
-    to.elastic_numbers[made.first + i] = from.elastic_numbers[old.first + i];
-  }
-}
-
-}  // namespace
-
 auto ContactSolver::whereabouts() const -> Whereabouts {
   Whereabouts out;
   for (const LinkageState& state : states_)
@@ -109,37 +95,15 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
 
 /// Takes what programs changed of springs and their like, how often they turned, and what broke.
 void ContactSolver::take_laws(const ContactSolver& from) {
-  const auto for_both = [&](const std::vector<Owner>& of, const std::vector<Owner>& were, auto&& f) {
+  const auto keep = [&](const std::vector<Owner>& of, const std::vector<Owner>& were, auto&& how) {
     for (std::size_t i = 0; i < std::min(of.size(), were.size()); ++i)
       if (of[i].island < ended && were[i].island < ended)
-        f(from.states_[were[i].island], were[i].number, states_[of[i].island], of[i].number);
+        (states_[of[i].island].*how)(from.states_[were[i].island], were[i].number, of[i].number);
   };
-  for_both(owners_.rods, from.owners_.rods,
-           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             const auto made = state.linkage->elastic_of_rod(own), had = was.linkage->elastic_of_rod(old);
-             if (!made || !had) return;
-             const auto range = [](std::size_t first) {
-               return Linkage::ElasticRange{static_cast<std::uint32_t>(first), 1};
-             };
-             copy_range(was, range(*had), state, range(*made));
-             if (!was.broken.empty() && !state.broken.empty()) state.broken[*made] = was.broken[*had];
-           });
-  for_both(owners_.angles, from.owners_.angles,
-           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_range(was, was.linkage->elastics_of_angle(old), state,
-                        state.linkage->elastics_of_angle(own));
-             state.angle_rules[own] = was.angle_rules[old];
-           });
-  for_both(owners_.springs, from.owners_.springs,
-           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_range(was, was.linkage->elastics_of_spring(old), state,
-                        state.linkage->elastics_of_spring(own));
-           });
-  for_both(owners_.torsions, from.owners_.torsions,
-           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_range(was, was.linkage->elastics_of_torsion(old), state,
-                        state.linkage->elastics_of_torsion(own));
-           });
+  keep(owners_.rods, from.owners_.rods, &LinkageState::keep_rod);
+  keep(owners_.angles, from.owners_.angles, &LinkageState::keep_angle);
+  keep(owners_.springs, from.owners_.springs, &LinkageState::keep_spring);
+  keep(owners_.torsions, from.owners_.torsions, &LinkageState::keep_torsion);
   for (LinkageState& state : states_)
     if (state.linkage != nullptr) state.follow_elastics();
 }

@@ -1,7 +1,6 @@
 // This file makes islands of the contact solver anew that a program edits, and ends those that are removed.
 
 #include <algorithm>
-#include <set>
 #include <span>
 
 #include "contact/contact_solver.hpp"
@@ -9,28 +8,6 @@
 #include "math/byte_sum.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Copies how elastics pull and are numbered, from one state to another.
-void copy_elastics(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
-                   Linkage::ElasticRange made) {
-  if (old.count != made.count) return;
-  for (std::size_t i = 0; i < old.count; ++i) {
-    to.laws[made.first + i] = from.laws[old.first + i];
-    to.elastic_numbers[made.first + i] = from.elastic_numbers[old.first + i];
-  }
-}
-
-/// Lets a rod go on as it did in another island. `lives` is false for one that pulls nothing any more.
-void copy_rod(const LinkageState& from, std::uint32_t old, LinkageState& to, std::uint32_t own, bool lives) {
-  const auto made = to.linkage->elastic_of_rod(own), was = from.linkage->elastic_of_rod(old);
-  if (!made || !was || !lives) return;
-  copy_elastics(from, {static_cast<std::uint32_t>(*was), 1}, to, {static_cast<std::uint32_t>(*made), 1});
-  if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*was];
-}
-
-}  // namespace
-
 void LinkageState::end() {
   motion() = {};
   asleep = true;
@@ -70,6 +47,36 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
   is_relaxed = from.is_relaxed;
 }
 
+/// Copies how elastics pull and are numbered, where as many are there.
+void LinkageState::keep_elastics(const LinkageState& from, Linkage::ElasticRange old,
+                                 Linkage::ElasticRange own) {
+  if (old.count != own.count) return;
+  for (std::uint32_t i = 0; i < old.count; ++i) {
+    laws[own.first + i] = from.laws[old.first + i];
+    elastic_numbers[own.first + i] = from.elastic_numbers[old.first + i];
+  }
+}
+
+void LinkageState::keep_rod(const LinkageState& from, std::uint32_t old, std::uint32_t own) {
+  const auto was = from.linkage->elastic_of_rod(old), is = linkage->elastic_of_rod(own);
+  if (!was || !is) return;
+  keep_elastics(from, {static_cast<std::uint32_t>(*was), 1}, {static_cast<std::uint32_t>(*is), 1});
+  if (!from.broken.empty() && !broken.empty()) broken[*is] = from.broken[*was];
+}
+
+void LinkageState::keep_angle(const LinkageState& from, std::uint32_t old, std::uint32_t own) {
+  keep_elastics(from, from.linkage->elastics_of_angle(old), linkage->elastics_of_angle(own));
+  angle_rules[own] = from.angle_rules[old];
+}
+
+void LinkageState::keep_spring(const LinkageState& from, std::uint32_t old, std::uint32_t own) {
+  keep_elastics(from, from.linkage->elastics_of_spring(old), linkage->elastics_of_spring(own));
+}
+
+void LinkageState::keep_torsion(const LinkageState& from, std::uint32_t old, std::uint32_t own) {
+  keep_elastics(from, from.linkage->elastics_of_torsion(old), linkage->elastics_of_torsion(own));
+}
+
 /// Returns an island as its kind was made, with the scene's numbers of what it has.
 NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
@@ -85,37 +92,31 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
 /// changed of them, turns, and what broke. Homes tell the lengths of rods of plain islands by themselves.
 void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number,
                               LinkageState& to, bool with_plain_lengths) const {
+  using Shares = std::vector<SceneParts::Share>;
+  const ByKind<Shares>& shares = parts.shares();
   const auto for_own = [&](const std::vector<std::uint32_t>& names, const std::vector<Owner>& owners,
-                           std::span<const SceneParts::Share> shares, auto&& f) {
-    for (std::uint32_t i = 0; i < shares.size(); ++i) {
-      if (shares[i].part != number || names[i] >= owners.size() || owners[names[i]].island >= ended) continue;
-      f(i, shares[i].number, states_[owners[names[i]].island], owners[names[i]].number);
-    }
+                           const Shares& of_kind, auto&& f) {
+    for (std::uint32_t i = 0; i < of_kind.size(); ++i)
+      if (of_kind[i].part == number && names[i] < owners.size() && owners[names[i]].island < ended)
+        f(i, of_kind[i].number, states_[owners[names[i]].island], owners[names[i]].number);
   };
-  const ByKind<std::vector<SceneParts::Share>>& shares = parts.shares();
+  const auto keep = [&](auto&& how) {
+    return [&to, how](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
+      (to.*how)(from, old, own);
+    };
+  };
   for_own(whole.names.rods, owners_.rods, shares.rods,
           [&](std::uint32_t i, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
-            copy_rod(from, old, to, own, whole.scene.rods[i].law.stiffness != 0);
+            const RodLaw& law = whole.scene.rods[i].law;
+            if (law.stiffness != 0) to.keep_rod(from, old, own);
             const RodLengths::Change* const change = from.lengths.find(old);
-            const bool is_cut = !whole.scene.rods[i].law.is_rigid();  // and its mass alone is left
-            if (change && !is_cut && (with_plain_lengths || is_plain_[from.number] == 0))
+            // What was cut, and of which the mass alone is left, gives.
+            if (change && law.is_rigid() && (with_plain_lengths || is_plain_[from.number] == 0))
               to.lengths.take(*change, own, to.linkage->rods());
           });
-  for_own(whole.names.angles, owners_.angles, shares.angles,
-          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
-            copy_elastics(from, from.linkage->elastics_of_angle(old), to, to.linkage->elastics_of_angle(own));
-            to.angle_rules[own] = from.angle_rules[old];
-          });
-  for_own(whole.names.springs, owners_.springs, shares.springs,
-          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
-            copy_elastics(from, from.linkage->elastics_of_spring(old), to,
-                          to.linkage->elastics_of_spring(own));
-          });
-  for_own(whole.names.torsions, owners_.torsions, shares.torsions,
-          [&](std::uint32_t, std::uint32_t own, const LinkageState& from, std::uint32_t old) {
-            copy_elastics(from, from.linkage->elastics_of_torsion(old), to,
-                          to.linkage->elastics_of_torsion(own));
-          });
+  for_own(whole.names.angles, owners_.angles, shares.angles, keep(&LinkageState::keep_angle));
+  for_own(whole.names.springs, owners_.springs, shares.springs, keep(&LinkageState::keep_spring));
+  for_own(whole.names.torsions, owners_.torsions, shares.torsions, keep(&LinkageState::keep_torsion));
   to.follow_elastics();
 }
 

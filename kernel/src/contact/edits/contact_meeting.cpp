@@ -33,7 +33,8 @@ auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
       parts.push_back(std::move(part));
     }
   }
-  for (NamedPart* const each : {&of.homes, &of.others}) plain.insert(plain.begin(), std::move(*each));
+  plain.insert(plain.begin(), std::move(of.homes));
+  plain.insert(plain.begin(), std::move(of.others));
   NamedPart simple = joined(plain);
   simple.end_fixed();
   simple.end_torn_capsules(nullptr);
@@ -89,14 +90,16 @@ void ContactSolver::begin_met(const Met& met, std::span<const std::uint32_t> nam
     } else if (now != met.now.end()) {
       state.x[k] = now->second.position;
     }
-    if (k < movable) {
-      state.v[k] = has_moved ? from->v[old] : now->second.velocity;
-      if (has_moved) state.force[k] = from->force[old];
-      if (has_moved) state.acceleration[k] = from->acceleration[old];
-    } else if (from && !has_moved) {
-      state.anchors_went[k - movable] = from->anchors_went[old - from->linkage->movable()];
-    } else if (now != met.now.end() && !has_moved) {
-      state.anchors_went[k - movable] = now->second.velocity;
+    if (k < movable && has_moved) {
+      state.v[k] = from->v[old];
+      state.force[k] = from->force[old];
+      state.acceleration[k] = from->acceleration[old];
+    } else if (k < movable) {
+      state.v[k] = now->second.velocity;
+    } else if (!has_moved) {
+      state.anchors_went[k - movable] = from ? from->anchors_went[old - from->linkage->movable()]
+                                        : now != met.now.end() ? now->second.velocity
+                                                               : Vec3{};
     }
   }
 }

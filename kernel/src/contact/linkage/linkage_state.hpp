@@ -75,6 +75,12 @@ struct LinkageState : LinkageMotion {
   void take_kind(const Linkage& kind);
   /// Goes on as another island did, of which it has the particles `of`, in order.
   void go_on_from(const LinkageState& from, std::span<const std::uint32_t> of);
+  /// Let one of the island act as number `old` of another island does: what programs changed of it, turns,
+  /// and what broke.
+  void keep_rod(const LinkageState& from, std::uint32_t old, std::uint32_t own);
+  void keep_angle(const LinkageState& from, std::uint32_t old, std::uint32_t own);
+  void keep_spring(const LinkageState& from, std::uint32_t old, std::uint32_t own);
+  void keep_torsion(const LinkageState& from, std::uint32_t old, std::uint32_t own);
   /// Lets nothing be left of the island but its number.
   void end();
   /// Goes on from a motion that was copied from motion().
@@ -208,6 +214,8 @@ struct LinkageState : LinkageMotion {
   bool can_follow_elastics(double h);
 
  private:
+  void keep_elastics(const LinkageState& from, Linkage::ElasticRange old, Linkage::ElasticRange own);
+
   static constexpr double softest = 1e-11;
   /// What is rigid has this share of its particles' response on the diagonal, or something where none moves.
   double least_soft(std::size_t i) const { return gives[i] > 0 ? softest * gives[i] : 1; }

@@ -253,19 +253,12 @@ void CrowdLines<T>::start(Crowd<T>& crowd) {
 
 template <class T>
 void CrowdLines<T>::sweep(Crowd<T>& crowd, Team* team) {
-  share_ranges(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned) {
-    kernels(crowd).sweep(view(crowd), ranges.data(), static_cast<std::uint32_t>(ranges.size()));
-  });
+  sweep_ranges(team, ranges_, kernels(crowd), view(crowd));
 }
 
 template <class T>
 double CrowdLines<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
-  std::array<T, Team::max_size> largest{};
-  share_ranges(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned part) {
-    const auto count = static_cast<std::uint32_t>(ranges.size());
-    largest[part] = std::max(largest[part], kernels(crowd).measure(view(crowd), ranges.data(), count));
-  });
-  return *std::max_element(largest.begin(), largest.end());
+  return measure_ranges(team, ranges_, kernels(crowd), view(crowd));
 }
 
 template <class T>

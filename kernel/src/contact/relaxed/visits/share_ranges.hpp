@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -26,6 +28,27 @@ void share_ranges(Team* team, std::span<const simd::ContactRange> ranges, F&& f)
       f(std::span(&own, 1), part);
     });
   }
+}
+
+/// Visits the contacts of all ranges once.
+template <class Kernels, class View>
+void sweep_ranges(Team* team, std::span<const simd::ContactRange> ranges, const Kernels& kernels,
+                  const View& view) {
+  share_ranges(team, ranges, [&](std::span<const simd::ContactRange> own, unsigned) {
+    kernels.sweep(view, own.data(), static_cast<std::uint32_t>(own.size()));
+  });
+}
+
+/// Does so, and returns the largest of what the kernels measure.
+template <class Kernels, class View>
+double measure_ranges(Team* team, std::span<const simd::ContactRange> ranges, const Kernels& kernels,
+                      const View& view) {
+  std::array<double, Team::max_size> largest{};
+  share_ranges(team, ranges, [&](std::span<const simd::ContactRange> own, unsigned part) {
+    const double found = kernels.measure(view, own.data(), static_cast<std::uint32_t>(own.size()));
+    largest[part] = std::max(largest[part], found);
+  });
+  return *std::max_element(largest.begin(), largest.end());
 }
 
 }  // namespace plumb::detail
