@@ -355,6 +355,22 @@ TEST(LinkageEdits, AreTheSameOnTwoThreads) {
   }
 }
 
+// Equal crates are of one kind, which knows where the first of them stood: each keeps its own mass there.
+TEST(LinkageEdits, BringTogetherWhatIsAlike) {
+  for_jointed_settings([](const Settings& settings) {
+    Scene scene;
+    for (const double x : {2.0, 2.5, 3.25}) add_crate(scene, {x, 2, 0});  // alike to the last bit
+    World world(scene, settings);
+    step(world, 5);
+    world.join({.a = 5, .b = 10});
+    const Momentum before = momentum(world, settings);
+    step(world, 1);
+    EXPECT_LE(norm(momentum(world, settings).linear - before.linear - Vec3{0, -9.81 * 3 * frame, 0}), 1e-12);
+    expect_as_fresh(world, settings);
+    EXPECT_EQ(world.info().islands, 2u);
+  });
+}
+
 TEST(LinkageEdits, RefuseWhatLeavesNothingToMove) {
   World world(several(), {});
   for (const std::uint32_t k : {0u, 1u, 2u}) world.fix(box + k);

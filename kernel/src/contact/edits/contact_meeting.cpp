@@ -7,6 +7,24 @@
 #include "contact/contact_solver.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Lets parts stand as they do in a whole scene. Each stood where the first one of its kind did, and so did
+/// what bodies and hulls tell in the axes of space.
+void stand_as_in(const Scene& whole, NamedPart& part) {
+  Scene& scene = part.scene;
+  const Names& names = part.names;
+  for (std::size_t k = 0; k < scene.particles.size(); ++k)
+    scene.particles[k].position = whole.particles[names.particles[k]].position;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    scene.bodies[k].center = whole.bodies[names.bodies[k]].center;
+    scene.bodies[k].inertia = whole.bodies[names.bodies[k]].inertia;
+  }
+  for (std::size_t k = 0; k < scene.hulls.size(); ++k)
+    scene.hulls[k].points = whole.hulls[names.hulls[k]].points;
+}
+
+}  // namespace
 
 auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
   std::vector<std::uint32_t> homes = of.homes.names.particles;
@@ -42,9 +60,9 @@ auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
     met.now.emplace(simple.names.particles[k], simple.scene.particles[k]);
   parts.push_back(std::move(simple));
   NamedPart all = joined(parts);
+  stand_as_in(of.began, all);
   for (std::size_t k = 0; k < all.names.particles.size(); ++k) {
     Particle& particle = all.scene.particles[k];
-    particle.position = of.began[all.names.particles[k]].position;
     if (const auto now = met.now.find(all.names.particles[k]); now != met.now.end()) {
       particle.fixed = now->second.fixed;
       particle.mass = now->second.mass;

@@ -17,7 +17,7 @@ struct Meeting {
   /// They have particles, rods and bends, edited and where they are: of plain islands all, and of others
   /// what is new there. What is of `homes` is plain then.
   NamedPart homes, others;
-  std::span<const Particle> began;  ///< by number, where the scene has them
+  const Scene& began;  ///< the whole one, in which all stands where it has its lengths and angles
 };
 
 /// Says of particles that come together how they are now, and of those that were there, where.

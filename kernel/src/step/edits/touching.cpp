@@ -189,7 +189,7 @@ std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
     if (mass_model_of(settings_) == MassModel::lumped) lump_masses(*scene);
   }
   const std::vector<ContactSolver::Made> made = contact.make_met(
-      {fallen.met, fallen.part_edits, std::move(homes), std::move(others), breaks_.scene_now().particles});
+      {fallen.met, fallen.part_edits, std::move(homes), std::move(others), breaks_.scene_now()});
   out.insert(out.end(), made.begin(), made.end());
   return out;
 }
