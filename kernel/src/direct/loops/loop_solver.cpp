@@ -271,6 +271,7 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
   x[1] = target.y;
   x[2] = target.z;
   place_wound(state_);
+  velocity_known_ = false;  // or a restored world would find others, from where the anchor is now
 }
 
 // --- Rods, tackles and reels
