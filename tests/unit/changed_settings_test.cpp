@@ -263,6 +263,29 @@ TEST(ChangedSettings, AreRefusedWhereStateHasNoPlace) {
   EXPECT_EQ(world.twist(0), same.twist(0));
 }
 
+// A rod that is cut falls out where its mass lies in its ends, and joins them still where it lies along it.
+// What was removed with one of them is the whole rope there.
+TEST(ChangedSettings, AreRefusedWherePiecesThatWentWereNone) {
+  Scene scene;
+  test::add_rope(scene, {0, 0, 0}, {1, 0, 0}, 6, false);
+  for (Rod& rod : scene.rods) rod.mass = 0.1;
+  Settings settings = settings_of(Method::relax);
+  World world(scene, settings);
+  world.cut(2);
+  test::run(world, frame, 1);
+  world.remove(5);
+  test::run(world, frame, 1);
+  const std::uint64_t hash = world.state_hash();
+  settings = settings_of(Method::direct);
+  expect_refusal("particle 0: mass model consistent has it in another island than that which was removed",
+                 [&] { world.set_settings(settings); });
+  EXPECT_EQ(world.state_hash(), hash);
+  settings.mass = MassModel::lumped;
+  world.set_settings(settings);
+  test::run(world, frame, 1);
+  EXPECT_TRUE(world.handle<Particle>(0));
+}
+
 TEST(ChangedSettings, SayWhatSnapshotsFitTo) {
   for (const Scene& scene : {test::swinging(), test::touching()})
     for_changes([&](const Settings& before, const Settings& after) {

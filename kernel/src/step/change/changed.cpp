@@ -96,7 +96,7 @@ void Step::relive_anew(const Step& from) {
   for (std::uint32_t particle = 0; particle < population_.particles.count(); ++particle) {
     const bool has_place = !compiled_.places.of(particle).empty(),
                is_there = population_.particles.has(particle);
-    if (is_there ? !has_place && !anchors_.is_fixed(particle) : has_place)
+    if (is_there ? !has_place && !from.anchors_.is_fixed(particle) : has_place)
       refuse("settings: particle ", particle, ": mass model ", to_string(mass_model_of(settings_)),
              " has it in another island than that which was removed");
   }
