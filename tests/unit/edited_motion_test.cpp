@@ -13,6 +13,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
 #include "scenes/generators/generators.hpp"
+#include "support/figures.hpp"
 #include "support/refusals.hpp"
 
 namespace plumb {
@@ -55,6 +56,18 @@ TEST(EditedMotion, GoesOnWhereAnAnchorGoesOn) {
       EXPECT_LE(norm(world.velocity(1) - Vec3{1, 0, 0}), 1e-9) << to_string(gradient) << ", step " << i;
     }
   }
+}
+
+TEST(EditedMotion, ForgetsWhereAnAnchorWasToGoThatIsNoneAfterAll) {
+  test::for_jointed_settings([](const Settings& settings) {
+    World world(test::crate({0, 2, 0}), settings), untouched(test::crate({0, 2, 0}), settings);
+    world.fix(0);
+    world.move_anchor(0, {0, 3, 0});
+    world.free(0);
+    for (World* const each : {&world, &untouched})
+      for (int i = 0; i < 3; ++i) each->step(frame);
+    EXPECT_EQ(world.state_hash(), untouched.state_hash());
+  });
 }
 
 TEST(EditedMotion, RefusesToFreeWhatWasPulledOffItsRod) {

@@ -34,6 +34,15 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
   moved_.reserve(moving_.capacity());
 }
 
+void Anchors::forget_target(std::uint32_t particle) {
+  if (std::exchange(has_target_[particle], std::uint8_t{0}) != 0) std::erase(moving_, particle);
+}
+
+void Anchors::order(std::uint32_t particle, bool is_fixed) {
+  will_be_fixed_[particle] = is_fixed ? 1 : 0;
+  if (!is_fixed && fixed_[particle] == 0) forget_target(particle);
+}
+
 void Anchors::fix(std::uint32_t particle, Vec3 position, Vec3 velocity, double dt) {
   if (velocity != Vec3{}) moved_.push_back({particle, {position - dt * velocity, position, dt}});
   fixed_[particle] = will_be_fixed_[particle] = 1;
@@ -46,13 +55,12 @@ void Anchors::put(std::uint32_t particle, Vec3 position) {
   for (auto& [moved, path] : moved_)
     if (moved == particle) path = {path.from + way, path.to + way, path.dt};
   positions_[particle] = targets_[particle] = position;
-  if (std::exchange(has_target_[particle], std::uint8_t{0}) != 0) std::erase(moving_, particle);
+  forget_target(particle);
 }
 
 void Anchors::free(std::uint32_t particle) {
   fixed_[particle] = will_be_fixed_[particle] = 0;
-  has_target_[particle] = 0;
-  std::erase(moving_, particle);
+  forget_target(particle);
   std::erase_if(moved_, [&](const auto& of) { return of.first == particle; });
 }
 
@@ -69,8 +77,7 @@ void Anchors::add(std::uint32_t particle, bool is_fixed, Vec3 position) {
 }
 
 void Anchors::remove(std::uint32_t particle) {
-  if (has_target_[particle] != 0) std::erase(moving_, particle);
-  has_target_[particle] = 0;
+  forget_target(particle);
   if (fixed_[particle] != 0) std::erase_if(moved_, [&](const auto& of) { return of.first == particle; });
   add(particle, true, {});
 }

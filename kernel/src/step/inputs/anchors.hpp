@@ -27,7 +27,8 @@ class Anchors {
   /// Returns whether it is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return will_be_fixed_[particle] != 0; }
   const std::vector<std::uint8_t>& will_be_fixed() const { return will_be_fixed_; }
-  void order(std::uint32_t particle, bool is_fixed) { will_be_fixed_[particle] = is_fixed ? 1 : 0; }
+  /// Says so. What is not to be fixed after all forgets where it was to go.
+  void order(std::uint32_t particle, bool is_fixed);
   /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now. It came
   /// there at `velocity` (m/s), as an anchor that moved in a step of `dt` (s).
   void fix(std::uint32_t particle, Vec3 position, Vec3 velocity, double dt);
@@ -95,6 +96,7 @@ class Anchors {
 
  private:
   void concern(std::uint32_t solver);
+  void forget_target(std::uint32_t particle);
   /// Calls f(particle) for each that has a 1 in either of two lists. Most have none, and are passed over by
   /// many at once.
   template <class F>
