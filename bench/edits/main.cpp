@@ -134,6 +134,11 @@ void measure(Method method, std::uint32_t ropes) {
   append_rope(rope, -5);
   add_and_remove(world, rope, true, name);
   add_and_remove(world, rope, false, name);
+  World roomy(scene, settings);
+  Times reserve;
+  for (int i = 0; i < 3; ++i) reserve.time([&] { roomy.reserve(rope, 8); });
+  reserve.say(name + "reserve");
+  add_and_remove(roomy, rope, true, name + "after that, ");
   cut_ropes(other, ropes, 1, 20, name);
   cut_ropes(third, ropes, ropes / 10, 5, name);
   for (std::uint32_t i = 0; i < 20; ++i) {

@@ -171,7 +171,7 @@ void add(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 16), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 17), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -207,6 +207,14 @@ bool edit(Twins& twins, Random& random) {
   }
   if (kind == 15) {
     both([&](World& world) { world.pack(); });
+    return false;
+  }
+  if (kind == 16) {
+    const Scene like = random_addition(random);
+    both([&](World& world) { world.reserve(like, particle % 3); });
+    for (std::vector<double>* const masses : {&twins.masses, &twins.of_bodies})
+      masses->resize(twins.one.particle_count());
+    twins.ropes.resize(twins.one.particle_count());
     return false;
   }
   if (kind == 14) {

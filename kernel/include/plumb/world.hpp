@@ -210,6 +210,11 @@ class PLUMB_API World {
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
+  /// Makes room for what edits will add, before frames count: numbers for `times` times what `like` has, and
+  /// what the first edit looks at in the whole scene. Counts of particles, rods and bodies grow by it, which
+  /// edits then leave as they are while room is left. Throws InputError where there would be too many, and
+  /// under springs, multipliers and featherstone.
+  void reserve(const Scene& like, std::uint32_t times = 1);
   /// Adds islands at once, as a world of that scene begins, with all but twists and reels. Numbers are the
   /// lowest of removed ones that are free in a row, or new, and depend on nothing but what was added and
   /// removed before. Gravity and ground are those of the world. Throws InputError if validate() refuses the
@@ -317,8 +322,8 @@ class PLUMB_API World {
   /// the last step, and awake. Edits that wait, forces, grabs and rates of lengths are no part of it. Throws
   /// InputError under springs, multipliers and featherstone.
   Scene scene() const;
-  std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
-  std::uint32_t rod_count() const;       ///< Numbers of rods, with those that were removed.
+  std::uint32_t particle_count() const;  ///< Numbers of particles, with reserved and removed ones.
+  std::uint32_t rod_count() const;       ///< Numbers of rods, with reserved and removed ones.
   double time() const;                   ///< Simulated time, in s.
 
   /// Returns positions in m, in the scene's order, as a view.
@@ -335,7 +340,7 @@ class PLUMB_API World {
   /// Returns its velocity in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
   Vec3 velocity(std::uint32_t particle) const;
 
-  std::uint32_t body_count() const;  ///< Numbers of bodies, with those that were removed.
+  std::uint32_t body_count() const;  ///< Numbers of bodies, with reserved and removed ones.
   /// Returns where a body is: its centre of mass, and how it has turned since the scene, where its
   /// orientation is that of the axes of space. Of w, x, y, z the largest is positive. Where sweeps leave a
   /// strain, this is the rotation nearest to how its particles lie. Throws InputError on an unknown body.

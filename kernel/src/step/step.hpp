@@ -142,6 +142,9 @@ class Step {
   /// Removes the island of a movable particle, or a fixed one from which nothing hangs. Throws InputError
   /// where an island cannot be removed. Returns the particles that are gone.
   std::vector<std::uint32_t> remove(std::uint32_t particle);
+  /// Does what the first edit would do of the whole scene, and lets there be so many more numbers, which
+  /// edits take before new ones.
+  void make_room(const ByKind<std::uint32_t>& more);
   const Population& population() const { return population_; }
   double drag() const { return origin_->scene.drag; }
   double joint_drag() const { return origin_->scene.joint_drag; }

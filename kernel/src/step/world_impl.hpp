@@ -62,6 +62,7 @@ struct PLUMB_HIDDEN World::Impl {
   /// Refuses the number of what the world does not have, or no more.
   static void require_there(const detail::Numbers& numbers, const char* what, std::uint32_t number) {
     require_one_of(numbers.count(), what, number);
+    if (numbers.generation(number) == 0) detail::refuse(what, ' ', number, ": is reserved, and not added yet");
     if (!numbers.has(number)) detail::refuse(what, ' ', number, ": was removed");
   }
   /// Lets lists have as many particles as there are numbers.
@@ -79,9 +80,9 @@ struct PLUMB_HIDDEN World::Impl {
     require_one_of(static_cast<std::uint32_t>(chains.size()), "reel", reel);
   }
   void require_body(std::uint32_t body) const {
-    if (body >= bodies.count())
-      detail::refuse("body ", body, ": unknown, the world has ", bodies.count(),
-                     bodies.count() == 1 ? " body" : " bodies");
+    const std::uint32_t all = step->population().bodies.count();
+    if (body >= all)
+      detail::refuse("body ", body, ": unknown, the world has ", all, all == 1 ? " body" : " bodies");
     require_there(step->population().bodies, "body", body);
   }
   /// Returns whether a shape moves, as capsules and hulls do. Refuses an unknown one.

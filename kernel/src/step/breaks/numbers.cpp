@@ -29,6 +29,17 @@ void Numbers::take(std::uint32_t first, std::uint32_t size) {
   for (std::uint32_t number = first; number < end; ++number) ++generations_[number];
 }
 
+void Numbers::reserve(std::uint32_t size) {
+  if (size == 0) return;
+  if (generations_.empty()) generations_.assign(count_, 1);
+  generations_.resize(count_ + size, 0);
+  if (!free_.empty() && free_.back().first + free_.back().second == count_)
+    free_.back().second += size;
+  else
+    free_.emplace_back(count_, size);
+  count_ += size;
+}
+
 void Numbers::give_back(std::span<const std::uint32_t> numbers) {
   if (numbers.empty()) return;
   if (generations_.empty()) generations_.assign(count_, 1);

@@ -37,6 +37,8 @@ class Numbers {
   std::uint32_t find(std::uint32_t size) const;
   /// Takes the numbers that find() has found.
   void take(std::uint32_t first, std::uint32_t size);
+  /// Lets there be so many more numbers, which nothing has yet.
+  void reserve(std::uint32_t size);
   /// Takes back numbers, which ascend.
   void give_back(std::span<const std::uint32_t> numbers);
 
@@ -54,7 +56,7 @@ class Numbers {
   void list_free();
 
   std::uint32_t count_;
-  std::vector<std::uint32_t> generations_;                     ///< by number; empty while nothing was removed
+  std::vector<std::uint32_t> generations_;                     ///< by number; empty while all are the first ones
   std::vector<std::pair<std::uint32_t, std::uint32_t>> free_;  ///< ranges that ascend: first and size
 };
 

@@ -41,6 +41,12 @@ ByKind<std::uint32_t> Step::add(const Scene& scene) {
   return first;
 }
 
+void Step::make_room(const ByKind<std::uint32_t>& more) {
+  breaks_.begin();
+  for (std::size_t kind = 0; kind < more.kinds; ++kind) population_.all()[kind]->reserve(*more.all()[kind]);
+  grow_tables();
+}
+
 /// Takes as many particles and cords everywhere as there are numbers.
 void Step::grow_tables() {
   const std::uint32_t particles = population_.particles.count(), rods = population_.rods.count();

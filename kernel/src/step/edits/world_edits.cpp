@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "contact/platforms/anchored.hpp"
@@ -130,9 +131,24 @@ Handle<Rod> World::join(Handle<Particle> a, Handle<Particle> b, Rod rod) {
 
 void World::Impl::fit_numbers() {
   fixed.resize(step->population().particles.count(), 0);
-  if (bodies.count() == 0) return;
+  if (step->population().bodies.count() == 0) return;
   positions.resize(fixed.size());
   velocities.resize(fixed.size());
+}
+
+void World::reserve(const Scene& like, std::uint32_t times) {
+  if (!impl_->step->has_archive())
+    refuse("springs, multipliers and featherstone edit nothing; relax, direct and auto do");
+  detail::ByKind<std::uint32_t> more = detail::sizes_of(like);
+  for (std::uint32_t* const size : more.all()) {
+    if (std::uint64_t{*size} * times > std::numeric_limits<std::uint32_t>::max())
+      refuse("reserve: ", *size, " of a kind cannot be there ", times, " times more");
+    *size *= times;
+  }
+  detail::require_addressable(std::uint64_t{particle_count()} + more.particles,
+                              std::uint64_t{rod_count()} + more.rods);
+  impl_->step->make_room(more);
+  impl_->fit_numbers();
 }
 
 Added World::add(const Scene& scene) {

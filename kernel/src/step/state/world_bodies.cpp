@@ -22,7 +22,7 @@ void require_bodies(std::size_t size, std::uint32_t bodies, const char* what) {
 }  // namespace
 
 std::uint32_t World::body_count() const {
-  return impl_->bodies.count();
+  return impl_->step->population().bodies.count();
 }
 
 Pose World::pose(std::uint32_t body) const {
