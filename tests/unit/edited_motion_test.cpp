@@ -282,5 +282,26 @@ TEST(EditedMotion, FreesWhatABrokenRodHungFrom) {
   }
 }
 
+// The rods break in the step before, and nobody knows it when the anchor is freed.
+TEST(EditedMotion, FreesWhatHungFromARodThatHasJustBroken) {
+  Scene scene;
+  scene.particles = {{.position = {-0.1, 0, 0}, .fixed = true},
+                     {.position = {0, -0.02, 0}, .mass = 0.1},
+                     {.position = {0.1, 0, 0}, .mass = 0.1, .fixed = true}};
+  scene.rods = {{.a = 0, .b = 1, .law = {.strength = 1}}, {.a = 1, .b = 2, .law = {.strength = 1}}};
+  for (const Gradient gradient : gradients) {
+    World world(scene, {.method = Method::direct, .gradient = gradient, .substeps = 4});
+    ASSERT_EQ(world.step(frame).broken_rods, 2u);
+    const Vec3 at = world.position(1);
+    const double speed = world.velocity(1).y;
+    world.free(2);
+    world.step(frame);
+    EXPECT_LT(world.position(2).y, -1e-3) << to_string(gradient);
+    EXPECT_NEAR(world.velocity(1).y, speed - 9.81 * frame, gradient == Gradient::new_ ? 0.1 : 1e-9)
+        << to_string(gradient);
+    EXPECT_LT(norm(world.position(1) - at), 0.02) << to_string(gradient);
+  }
+}
+
 }  // namespace
 }  // namespace plumb

@@ -233,7 +233,7 @@ class Step {
   void exchange(const Fallen& fallen, Split& now, Compiled made);
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
-  void take_along(const Edits& edits);
+  void take_along(const Split& now);
   void pack(std::vector<std::uint32_t>& parts);
   std::uint32_t put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);

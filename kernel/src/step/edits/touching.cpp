@@ -19,9 +19,9 @@ const Place* Step::contact_place(std::uint32_t particle) const {
   return !places.empty() && &solver(places.back()) == compiled_.contact ? &places.back() : nullptr;
 }
 
-/// An island that a broken rod has left whole still hangs from the rod's fixed end. It does not any more
-/// where that is freed. A bend brings its particles together with one that is freed.
-void Step::take_along(const Edits& edits) {
+/// An island that a broken rod has left whole, or leaves so now, still hangs from the rod's fixed end. It does
+/// not any more where that is freed. A bend brings its particles together with one that is freed.
+void Step::take_along(const Split& now) {
   const auto hangs_from = [&](std::uint32_t particle, std::uint32_t anchor) {
     const Place& home = compiled_.places.of(particle).front();
     const auto places = compiled_.places.of(anchor);
@@ -30,12 +30,15 @@ void Step::take_along(const Edits& edits) {
              solver(place).island_of(place.slot) == solver(home).island_of(home.slot);
     });
   };
-  for (const auto& [anchor, is_fixed] : edits.fixed) {
+  const auto is_out = [&](std::uint32_t rod) {
+    return !breaks_.joins_ends(rod) || std::count(now.rods.begin(), now.rods.end(), rod) > 0;
+  };
+  for (const auto& [anchor, is_fixed] : now.edits.fixed) {
     if (is_fixed || !anchors_.is_fixed(anchor)) continue;
     for (const std::uint32_t rod : breaks_.rods_at(anchor)) {
       const Rod& of = breaks_.scene_now().rods[rod];
       const std::uint32_t other = of.a == anchor ? of.b : of.a;
-      if (!breaks_.joins_ends(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor))
+      if (is_out(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor))
         breaks_.take_along(other);
     }
     for (const std::uint32_t other : bent_with(anchor))
@@ -131,7 +134,7 @@ Fallen Step::take_out(const Split& now) {
   sort_once(met);
   sort_once(parts);
   sort_once(linkages);
-  take_along(now.edits);
+  take_along(now);
   Fallen out = breaks_.take_out(now.rods, now.edits);
   if (parts.empty()) return out;
   for (const std::uint32_t part : parts) {
