@@ -189,6 +189,47 @@ TEST(SceneParts, LikenessIsOfEverythingButThePlace) {
   EXPECT_NE(likeness(parts.part(0)), likeness(parts.part(2)));
 }
 
+// A line between two anchors forbids its middle to go along it twice where it is straight, and once where it
+// hangs. Lines of equal rods are alike all the same, and each moves as it does alone.
+TEST(Linkage, IsRedundantByHowAnIslandStands) {
+  const auto line = [](Scene& scene, double x, double depth) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    const double half = std::sqrt(1 - depth * depth);
+    scene.particles.push_back(test::movable({x, 1 - depth, 0}));
+    for (const double side : {-half, half}) scene.particles.push_back(test::fixed({x + side, 1, 0}));
+    for (const std::uint32_t end : {first + 1, first + 2}) {
+      scene.rods.push_back({.a = first, .b = end, .length = 1});
+      scene.capsules.push_back({.a = point_at(first), .b = point_at(end), .radius = 0.01});
+    }
+  };
+  Scene both, bowed;
+  line(both, 0, 0);
+  line(both, 5, 0.6);
+  line(bowed, 5, 0.6);
+  const SceneParts parts(both);
+  EXPECT_EQ(likeness(parts.part(0)), likeness(parts.part(1)));
+  const Linkage straight(parts.part(0), best_isa()), hanging(parts.part(1), best_isa());
+  EXPECT_TRUE(straight.is_redundant());
+  EXPECT_FALSE(hanging.is_redundant());
+  const std::vector<Vec3> at = {{5, 0.4, 0}, {4.2, 1, 0}, {5.8, 1, 0}},
+                          along = {{0, 1, 0}, {-1, 1, 0}, {1, 1, 0}};
+  for (const Linkage* const each : {&straight, &hanging}) {
+    EXPECT_FALSE(each->is_redundant_at(at));
+    EXPECT_TRUE(each->is_redundant_at(along));
+  }
+  for (Scene* const scene : {&both, &bowed}) {
+    scene->joint_drag = 0.1;                    // which lets no other solver move them
+    scene->particles.back().position.z = 1e-3;  // and slack, so that it swings
+  }
+  const Settings settings{.method = Method::direct};
+  World world(both, settings), alone(bowed, settings);
+  for (int i = 0; i < 30; ++i) {
+    world.step(1.0 / 60);
+    alone.step(1.0 / 60);
+    EXPECT_EQ(world.position(3), alone.position(0)) << i;
+  }
+}
+
 // So do all numbers of its surfaces: islands that resist rolling differently share no linkage.
 TEST(SceneParts, LikenessKnowsSurfacesOfHulls) {
   Scene scene;

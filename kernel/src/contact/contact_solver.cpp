@@ -56,24 +56,21 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       gradient_(gradient_for(settings)) {
   for (unsigned part = 0; part < settings.threads; ++part)
     movers_.push_back(make_mover(settings, isa_, settings_));
-  std::map<std::vector<double>, const Linkage*> kinds;
+  std::multimap<std::vector<double>, std::size_t> kinds;
   std::vector<std::uint32_t> number_of(parts.count(), no_island);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
     if (plain && part.capsules.empty()) continue;
     if ((plain || relaxes_) && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
-    const Linkage*& kind = kinds[likeness(part)];
-    if (kind == nullptr) {
-      const auto use = relaxes_ ? Linkage::Use::relaxed : Linkage::Use::solved;
-      linkages_.push_back(std::make_unique<Linkage>(part, isa_, use));
-      parts_.push_back(part);
-      kind = linkages_.back().get();
-      uses_.push_back(0);
-    }
+    std::vector<double> numbers = likeness(part);
+    const auto [first, last] = kinds.equal_range(numbers);
+    const auto like = std::find_if(first, last, [&](const auto& of) { return is_of_kind(of.second, part); });
+    const std::size_t kind = like != last ? like->second : add_kind(part);
+    if (like == last) kinds.emplace(std::move(numbers), kind);
     const auto number = static_cast<std::uint32_t>(states_.size());
-    states_.emplace_back(*kind, number, part).particles = parts.particles(p);
-    ++uses_[kind_number(states_.back())];
+    states_.emplace_back(*linkages_[kind], number, part).particles = parts.particles(p);
+    ++uses_[kind];
     if (!plain) states_.back().gradient = gradient_;
     number_of[p] = number;
     is_plain_.push_back(plain);

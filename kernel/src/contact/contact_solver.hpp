@@ -307,6 +307,7 @@ class ContactSolver final : public Solver {
   void retire(std::uint32_t island);
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t kind_like(const Scene& part);
+  bool is_of_kind(std::size_t kind, const Scene& part) const;
   std::size_t add_kind(const Scene& part);
   void make_room(std::uint32_t count);
   std::uint32_t begin_island(std::size_t kind, const Scene& part, bool plain);

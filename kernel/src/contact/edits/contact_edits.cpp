@@ -207,6 +207,30 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   part.end_torn_capsules(&before);
 }
 
+namespace {
+
+/// Returns whether two parts stand alike, to the last bit, wherever they are.
+bool stand_alike(const Scene& one, const Scene& other) {
+  for (std::size_t k = 1; k < one.particles.size(); ++k)
+    if (one.particles[k].position - one.particles[0].position !=
+        other.particles[k].position - other.particles[0].position)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+/// Returns whether a part that is like a kind is of it. How a part stands may forbid motions twice, as of a
+/// line between two anchors that is straight. A kind is made for that, by how its first part stood.
+bool ContactSolver::is_of_kind(std::size_t kind, const Scene& part) const {
+  if (relaxes_) return true;
+  const Linkage& of = *linkages_[kind];
+  std::vector<Vec3> x;
+  for (const Particle& particle : part.particles) x.push_back(particle.position);
+  const bool is_redundant = of.is_redundant_at(x);
+  return is_redundant == of.is_redundant() && (!is_redundant || stand_alike(parts_[kind], part));
+}
+
 /// Returns a kind that is like a part, if there is one, or makes it.
 std::size_t ContactSolver::kind_like(const Scene& part) {
   const std::vector<double> numbers = likeness(part);
@@ -217,7 +241,7 @@ std::size_t ContactSolver::kind_like(const Scene& part) {
   while (sums_.size() < parts_.size())  // those that the world began with
     sums_.push_back(sum_over(likeness(parts_[sums_.size()])));
   for (std::size_t kind = 0; kind < parts_.size(); ++kind)
-    if (sums_[kind] == sum && likeness(parts_[kind]) == numbers) return kind;
+    if (sums_[kind] == sum && likeness(parts_[kind]) == numbers && is_of_kind(kind, part)) return kind;
   const std::size_t kind = add_kind(part);
   sums_.resize(parts_.size());
   sums_[kind] = sum;

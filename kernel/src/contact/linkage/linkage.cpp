@@ -294,12 +294,8 @@ void Linkage::find_loose() {
                                  [&](std::uint32_t particle) { return is_held[particle] != 0; });
 }
 
-void Linkage::hold_constraints(std::span<const Vec3> x) {
-  // What J M⁻¹ Jᵀ has on its diagonal, but for masses between particles.
+std::vector<double> Linkage::soften(double share, std::span<double> values) const {
   std::vector<double> pivots(constraints_, 1 / mass_);
-  std::vector<simd::Block> matrix(plan_.blocks());
-  assemble(x, matrix);
-  const std::span<const double> values = numbers(matrix);
   const auto add = [&](std::uint32_t row, std::span<const std::uint32_t> places,
                        std::span<const std::uint32_t> particles) {
     double sum = 0;
@@ -309,31 +305,42 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
   };
   for (const RodRow& rod : rods_) add(rod.row, rod.places, std::array{rod.a, rod.b});
   for (const DotRow& each : dots_) add(each.row, each.places, each.touched);
-
-  const std::span<double> fixed = numbers(template_);
-  for (const double share : {tiny, tiny_if_redundant}) {
-    for (std::uint32_t c = 0; c < constraints_; ++c) {
-      const std::uint32_t row = 3 * movable_ + c;
-      fixed[plan_.place(row, row)] = -share * pivots[c];
-    }
-    if (share != tiny) break;
-    assemble(x, matrix);
-    plan_.factor(matrix);
-    for (std::uint32_t c = 0; c < constraints_; ++c) {
-      // The factors keep inverse pivots in the last column of a block.
-      const std::uint32_t at = plan_.position(3 * movable_ + c);
-      const double inverse = matrix[at / 4].of[12 + at % 4];
-      is_redundant_ = is_redundant_ || !(std::abs(inverse) * pivots[c] < redundant);
-    }
-    if (!is_redundant_) break;
+  for (std::uint32_t c = 0; c < constraints_; ++c) {
+    const std::uint32_t row = 3 * movable_ + c;
+    values[plan_.place(row, row)] = -share * pivots[c];
   }
+  return pivots;
+}
+
+bool Linkage::is_redundant_at(std::span<const Vec3> x) const {
+  std::vector<simd::Block> matrix(plan_.blocks());
+  assemble(x, matrix);
+  const std::vector<double> pivots = soften(tiny, numbers(matrix));
+  plan_.factor(matrix);
+  for (std::uint32_t c = 0; c < constraints_; ++c) {
+    // The factors keep inverse pivots in the last column of a block.
+    const std::uint32_t at = plan_.position(3 * movable_ + c);
+    const double inverse = matrix[at / 4].of[12 + at % 4];
+    if (!(std::abs(inverse) * pivots[c] < redundant)) return true;
+  }
+  return false;
+}
+
+void Linkage::hold_constraints(std::span<const Vec3> x) {
+  is_redundant_ = is_redundant_at(x);
   const double share = is_redundant_ ? tiny_if_redundant : tiny;
-  const auto soften = [&](std::uint32_t row, double square) {
+  std::vector<simd::Block> matrix(plan_.blocks());
+  assemble(x, matrix);
+  const std::vector<double> pivots = soften(share, numbers(matrix));
+  const std::span<double> fixed = numbers(template_);
+  for (std::uint32_t row = 3 * movable_; row < 3 * movable_ + constraints_; ++row)
+    fixed[plan_.place(row, row)] = -share * pivots[row - 3 * movable_];
+  const auto add = [&](std::uint32_t row, double square) {
     softness_ += share * square * pivots[row - 3 * movable_];
   };
-  for (const RodRow& rod : rods_) soften(rod.row, 1 / rod.over2);
-  for (const DotRow& each : dots_) soften(each.row, size_ * size_);
-  for (const PinRow& pin : pins_) soften(pin.rows[0], 1);
+  for (const RodRow& rod : rods_) add(rod.row, 1 / rod.over2);
+  for (const DotRow& each : dots_) add(each.row, size_ * size_);
+  for (const PinRow& pin : pins_) add(pin.rows[0], 1);
 }
 
 void Linkage::place_constraints() {

@@ -185,8 +185,9 @@ class Linkage {
   /// Adds the share of a push on a place that its fixed particles get.
   void push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pulls) const;
   bool is_grounded() const { return movable_ + targets_ < particles_; }  ///< by more than targets of grabs
-  /// Returns whether constraints forbid some motion more than once.
+  /// Returns whether constraints forbid some motion more than once, as the kind was made or at x.
   bool is_redundant() const { return is_redundant_; }
+  bool is_redundant_at(std::span<const Vec3> x) const;
   /// Returns what the matrix lets constraints give to a push along all of them, 1/kg.
   double softness() const { return softness_; }
   /// Returns whether anything but contact takes energy: air, drag or joint drag.
@@ -216,9 +217,9 @@ class Linkage {
   Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
   /// Returns what a movable particle has on the diagonal of M, kg, or a quarter of a flat body if it is more.
   double own_mass_of(std::uint32_t particle) const { return nominal_masses_[particle]; }
-  /// Returns a mass (kg) that a movable particle has at least, whatever the others do: M less these on its
-  /// diagonal has no negative eigenvalue. It is that of its row which no coupling weighs up. Bodies have
-  /// none.
+  /// Returns a mass (kg) that a movable particle has at least, whatever the others do, and none of bodies: M
+  /// less these on its diagonal has no negative eigenvalue. It is that of its row which no coupling weighs
+  /// up.
   double free_mass_of(std::uint32_t particle) const { return free_masses_[particle]; }
   bool has_free_masses() const { return has_free_masses_; }
   /// Returns the mass of a place's heaviest movable particle, kg.
@@ -229,8 +230,7 @@ class Linkage {
   /// A taut rod is one whose ends may swing across it, since no body holds both. A shape along it or an
   /// anchor lets the matrix couple them.
   std::size_t taut_rods() const { return taut_rods_.size(); }
-  /// Finds how stiff rods are across themselves, in kg: what their multipliers, of a substep's positions,
-  /// turn by as the rods turn.
+  /// Finds how stiff rods are across themselves, kg: what multipliers of a substep turn by as rods turn.
   void find_tautness(std::span<const double> multipliers, std::span<double> out) const;
   /// Finds the inertia (kg) across taut rods with which a substep of h (s) can follow waves along them, from
   /// how stiff they were (kg/s²) in the last two substeps.
@@ -259,8 +259,7 @@ class Linkage {
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
                std::span<const double> squares, std::span<double> right) const;
   /// Adds what multipliers of constraints at `x` pull with to momenta of movable particles, -J(x)ᵀ of them,
-  /// but for those of pins. It is linear in `x`, so that the way from one configuration to another tells how
-  /// pulls turn.
+  /// but for those of pins. It is linear in `x`, so that ways between configurations tell how pulls turn.
   void add_pulls(std::span<const Vec3> x, std::span<const double> multipliers, std::span<Vec3> out) const;
   /// Returns by how much momenta (kg m) would move a movable particle at most, if it were alone (m).
   double largest_move(std::span<const Vec3> momenta) const;
@@ -361,13 +360,15 @@ class Linkage {
   void find_taut_rods(const Scene& part);
   void place_constraints();
   void find_loose();
+  /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.
+  std::vector<double> soften(double share, std::span<double> values) const;
   void hold_constraints(std::span<const Vec3> x);
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;
   std::vector<std::uint32_t> slots_;
   std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero, and elastics have -1
-  std::vector<RodRow> rods_;
+  std::vector<RodRow> rods_, giving_rods_;
   std::vector<DotRow> dots_;
   std::vector<PinRow> pins_;
   std::vector<double> masses_;          ///< kg, the diagonal of M
@@ -387,7 +388,6 @@ class Linkage {
   std::vector<ElasticLaw> elastic_laws_;
   std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
   std::vector<BendElastics> bends_;
-  std::vector<RodRow> giving_rods_;
   std::vector<TautRod> taut_rods_;
   std::vector<FlatRod> flat_rods_;
   ColoredRods colored_;

@@ -61,7 +61,6 @@ struct Bonds {
 class Likeness {
  public:
   explicit Likeness(const Scene& part) {
-    add(part.gravity);
     add(part.drag, part.joint_drag);
     for (const Particle& each : part.particles) add(each.mass, each.fixed);
     add(part.rods.size());

@@ -58,8 +58,8 @@ bool is_plain(const Scene& part);
 /// in both solvers.
 void lump_masses(Scene& part);
 
-/// Returns everything about an island but where it is, as numbers. Islands with equal numbers are of one
-/// kind.
+/// Returns everything about an island but where it is and its gravity, as numbers. Islands with equal numbers
+/// are alike.
 std::vector<double> likeness(const Scene& part);
 
 }  // namespace plumb::detail
