@@ -13,6 +13,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/refusals.hpp"
+#include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -37,8 +38,24 @@ void add_crate(Scene& scene, Vec3 center) {
       box_on_body(body, {.center = center, .half_size = {0.5 * side, 0.5 * side, 0.5 * side}}));
 }
 
-/// Ropes in the air, some with capsules, some of those with a spring, and maybe a box. They push nothing but
-/// each other.
+/// Appends a net of three particles by three, with capsules or none.
+void add_net(Scene& scene, Vec3 from, bool has_shapes) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  const auto add_rod = [&](std::uint32_t a, std::uint32_t b) {
+    scene.rods.push_back({.a = first + a, .b = first + b, .length = 0.1});
+    if (has_shapes)
+      scene.capsules.push_back({.a = point_at(first + a), .b = point_at(first + b), .radius = 0.02});
+  };
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    scene.particles.push_back(
+        {.position = from + Vec3{0.1 * (i / 3), 0, 0.1 * (i % 3)}, .velocity = {0, -0.3, 0}, .mass = 0.1});
+    if (i % 3 > 0) add_rod(i - 1, i);
+    if (i > 2) add_rod(i - 3, i);
+  }
+}
+
+/// Ropes in the air, some with capsules, some of those with a spring, maybe a box and a net. They push
+/// nothing but each other.
 Scene random_scene(Random& random) {
   Scene scene;
   scene.gravity = {};
@@ -61,6 +78,7 @@ Scene random_scene(Random& random) {
           {.a = point_at(first), .b = point_at(first + 2), .length = 0.19, .stiffness = 3});
   }
   if (below(random, 4) == 0) add_crate(scene, {0.1, -0.15, 0});
+  if (below(random, 3) == 0) add_net(scene, {0.3, 0.1, 0}, below(random, 2) == 0);
   return scene;
 }
 
@@ -103,7 +121,13 @@ struct Twins {
   std::vector<Handle<Particle>> gone, fixed;
   std::uint32_t rods;  // at the start, of 0.1 m each
   double frame = 1.0 / 240;
+  bool is_pushed = false;  // by a force that stays
 
+  /// Returns a particle that was fixed, if any was, or else the one that is given: most are free.
+  std::uint32_t some_fixed(std::uint32_t particle) {
+    std::erase_if(fixed, [&](Handle<Particle> each) { return !one.has(each); });
+    return fixed.empty() ? particle : one.number(fixed[particle % fixed.size()]);
+  }
   Vec3 momentum() const {
     Vec3 sum;
     for (std::uint32_t i = 0; i < one.particle_count(); ++i)
@@ -171,7 +195,7 @@ void add(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 17), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 18 + (below(random, 4) == 0 ? 1 : 0)), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -198,16 +222,23 @@ bool edit(Twins& twins, Random& random) {
     return true;
   }
   if (kind == 9) {
-    // One that was fixed, if any was: most are free.
-    std::erase_if(twins.fixed, [&](Handle<Particle> each) { return !twins.one.has(each); });
-    const std::uint32_t held =
-        twins.fixed.empty() ? particle : twins.one.number(twins.fixed[particle % twins.fixed.size()]);
-    both([&](World& world) { world.free(held); });
+    both([&](World& world) { world.free(twins.some_fixed(particle)); });
     return true;
   }
   if (kind == 15) {
     both([&](World& world) { world.pack(); });
     return false;
+  }
+  if (kind == 18) {
+    if (both([&](World& world) { world.set_force(particle, {mass, -mass, 0.1}); })) twins.is_pushed = true;
+    return true;
+  }
+  if (kind == 17) {
+    const std::uint32_t anchor = twins.some_fixed(particle);
+    both([&](World& world) {
+      world.move_anchor(anchor, world.position(anchor) + Vec3{0.1 * mass, 0, 0.001});
+    });
+    return true;
   }
   if (kind == 16) {
     const Scene like = random_addition(random);
@@ -262,6 +293,14 @@ void expect_restored(const Scene& scene, Twins& twins) {
   twins.two.step(twins.frame);
   third.step(twins.frame);
   EXPECT_EQ(third.state_hash(), twins.one.state_hash());
+}
+
+/// Lets a world go back to its own past, of which nothing that it did since is left.
+void go_on_and_back(World& world, double dt) {
+  const test::Snapshot before = test::snapshot_of(world);
+  world.step(dt);
+  world.restore(before);
+  EXPECT_EQ(test::snapshot_of(world), before);
 }
 
 /// Begins a world anew with what there is of one. It is where that is, and a step later too, if steps are
@@ -331,8 +370,9 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
       has_fixed = has_fixed || (twins.one.handle<Particle>(i) && twins.one.velocity(i) == Vec3{});
     twins.one.step(twins.frame);
     twins.two.step(twins.frame);
-    EXPECT_EQ(twins.one.state_hash(), twins.two.state_hash());
-    if (!may_jump && !has_fixed) {
+    EXPECT_EQ(test::snapshot_of(twins.one), test::snapshot_of(twins.two));
+    if (turn % 2 == 1) go_on_and_back(twins.two, twins.frame);
+    if (!may_jump && !has_fixed && !twins.is_pushed) {
       EXPECT_LE(norm(twins.momentum() - before), 1e-9);
     }
     for (std::uint32_t i = 0; i < twins.one.particle_count(); ++i)
@@ -343,7 +383,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
       EXPECT_NE(test::refusal([&] { (void)twins.one.number(handle); }), "");
   }
   expect_restored(scene, twins);
-  expect_begun_anew(twins.one, twins.frame);
+  if (!twins.is_pushed) expect_begun_anew(twins.one, twins.frame);
 }
 
 // Twins on one and on two threads stay alike, snapshots go on alike, cuts keep momentum, and what is gone is

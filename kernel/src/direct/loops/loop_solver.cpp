@@ -204,9 +204,9 @@ double LoopSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const 
 }
 
 /// A displacement stands for the velocity of now under the force that made it. It gives way to the velocity
-/// before that force changes.
+/// before that force changes. While others move the island, it stands for nothing.
 void LoopSolver::keep_velocities() {
-  if (rules_->gradient != Gradient::old || state_.u_step == 0) return;
+  if (rules_->gradient != Gradient::old || state_.u_step == 0 || away_) return;
   find_velocities();
   state_.u = velocity_;
   state_.u_step = 0;

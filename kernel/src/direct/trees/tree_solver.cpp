@@ -259,10 +259,11 @@ void TreeSolver<T>::find_velocities() const {
 }
 
 /// A displacement stands for the velocity of now under the force that made it. Before that force changes, it
-/// gives way to the velocity, in all lanes of a line in segments.
+/// gives way to the velocity, in all lanes of a line in segments. While others move the lane's island, it stands
+/// for nothing.
 template <class T>
 void TreeSolver<T>::keep_velocities(std::uint32_t lane) {
-  if (state_.u_step[lane] == 0) return;
+  if (state_.u_step[lane] == 0 || away_ || state_.idle[lane]) return;
   find_velocities();
   for (std::uint32_t l = line_ ? 0 : lane; l < (line_ ? state_.lanes : lane + 1); ++l)
     state_.set_velocities(l, velocity_);
