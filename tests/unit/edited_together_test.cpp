@@ -57,6 +57,24 @@ TEST(EditedTogether, FreeWhatHoldsBeforeTheRestIsFixed) {
   expect_restored(world, scene);
 }
 
+// A hook between two ropes has the mass of a rod to the anchor of one, and goes with that and its rope.
+TEST(EditedTogether, LeaveWhatIsFreedTheMassOfARodBetweenAnchors) {
+  Scene scene;
+  scene.particles = {{.position = {0, 2, 0}, .mass = 1},
+                     {.position = {0, 1, 0}, .mass = 1},
+                     {.position = {1, 2, 0}, .fixed = true},
+                     {.position = {1, 1, 0}, .mass = 1},
+                     {.position = {2, 2, 0}, .fixed = true}};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 2, .b = 3}, {.a = 4, .b = 3}, {.a = 2, .b = 0, .mass = 0.2}};
+  World world(scene, {});
+  world.fix(0);
+  world.step(frame);
+  world.free(2);
+  expect_refusal("particle 2: has no mass to be free with", [&] { world.remove(1); });
+  world.step(frame);
+  EXPECT_LT(world.velocity(2).y, 0);
+}
+
 // A rope hangs from a corner of a crate that is to be free, and without the crate it would hang from nothing.
 TEST(EditedTogether, LeaveWhatIsFreedItsMass) {
   Scene scene = test::crate({0, 2, 0});

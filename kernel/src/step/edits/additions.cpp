@@ -149,14 +149,19 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   return std::move(gone.particles);
 }
 
-/// Refuses to take away the mass of what is freed in the next step and stays, since others hang from it.
+/// Refuses to take away the mass of what is freed in the next step and stays, since others hang from it. What
+/// is fixed may go, too, with the rods that lead on from it.
 void Step::require_mass_without(const Names& going) const {
+  Names all = going;
+  for (const std::uint32_t particle : going.particles)
+    if (anchors_.is_fixed(particle)) append(all.rods, breaks_.rods_at(particle));
+  sort_once(all.rods);
   for (const auto& [particle, is_fixed] : edits_.fixed) {
     const auto rods = breaks_.rods_at(particle);
     const bool stays = std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) {
       return !std::binary_search(going.rods.begin(), going.rods.end(), rod);
     });
-    if (!is_fixed && stays) require_mass(particle, going);
+    if (!is_fixed && stays) require_mass(particle, all);
   }
 }
 
