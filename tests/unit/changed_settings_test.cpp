@@ -284,6 +284,16 @@ TEST(ChangedSettings, AreRefusedWherePiecesThatWentWereNone) {
   world.set_settings(settings);
   test::run(world, frame, 1);
   EXPECT_TRUE(world.handle<Particle>(0));
+
+  World joined(scene, settings_of(Method::direct));
+  joined.fix(3);
+  joined.cut(3);
+  test::run(joined, frame, 1);
+  joined.remove(0);
+  EXPECT_TRUE(joined.handle<Particle>(3)) << "the mass of the rod hangs from it";
+  test::run(joined, frame, 1);
+  expect_refusal("rod 3: mass model lumped has it in another island than that which was removed",
+                 [&] { joined.set_settings(settings_of(Method::relax)); });
 }
 
 TEST(ChangedSettings, SayWhatSnapshotsFitTo) {

@@ -217,6 +217,7 @@ class Step {
   void relive(std::vector<Split> splits, Population& population, std::uint32_t seats, std::uint32_t islands);
   std::uint32_t contact_islands() const { return compiled_.contact ? compiled_.contact->island_count() : 0; }
   void relive_anew(const Step& from);
+  void require_same_pieces(const Step& from) const;
   void redo(const Split& split, const Step& from);
   void copy_state(const Step& from);
   void carry(const Step& from);

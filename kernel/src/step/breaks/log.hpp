@@ -48,6 +48,7 @@ class Log {
   void push_removal(Split split, std::span<const std::uint32_t> particles);
 
   std::vector<Split> splits() const;
+  bool is_empty() const { return entries_.empty(); }
   bool is_of(std::span<const Split> splits) const;
 
   /// Writes splits() without a copy. What restores reads them as they are.

@@ -93,12 +93,26 @@ void Step::relive_anew(const Step& from) {
   if (from.has_broken_)
     if (const std::vector<std::uint32_t> broken = from.broken_now(); !broken.empty())
       redo({.rods = broken}, from);
+  require_same_pieces(from);
+}
+
+/// Refuses to go on where a removal took other pieces than it did before.
+void Step::require_same_pieces(const Step& from) const {
+  const auto refuse_for = [this](const char* what, std::uint32_t number) {
+    refuse("settings: ", what, " ", number, ": mass model ", to_string(mass_model_of(settings_)),
+           " has it in another island than that which was removed");
+  };
   for (std::uint32_t particle = 0; particle < population_.particles.count(); ++particle) {
     const bool has_place = !compiled_.places.of(particle).empty(),
                is_there = population_.particles.has(particle);
     if (is_there ? !has_place && !from.anchors_.is_fixed(particle) : has_place)
-      refuse("settings: particle ", particle, ": mass model ", to_string(mass_model_of(settings_)),
-             " has it in another island than that which was removed");
+      refuse_for("particle", particle);
+  }
+  if (log_.is_empty()) return;  // Until something is done nobody knows rods by their ends.
+  for (std::uint32_t rod = 0; rod < population_.rods.count(); ++rod) {
+    if (!population_.rods.has(rod) || from.waits(rod)) continue;
+    const auto rods = breaks_.rods_at(breaks_.scene_now().rods[rod].a);
+    if (std::find(rods.begin(), rods.end(), rod) == rods.end()) refuse_for("rod", rod);
   }
 }
 
