@@ -8,6 +8,23 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
+namespace {
+
+/// Returns whether velocities at the end of a substep of h (s) have no more energy than comes of its
+/// displacements (m), of gravity, and of how fast anchors and lengths go. Where anchors ask for what rods in
+/// one line cannot do, what fits nearly goes far aside.
+bool are_sound(const LinkageState& state, std::span<const Vec3> v, std::span<const Vec3> d, double h) {
+  const Linkage& linkage = *state.linkage;
+  if (!linkage.is_grounded() || state.lengths.move()) return true;
+  double fastest = h * norm(linkage.gravity());
+  for (std::size_t k = linkage.movable(); k < state.v.size(); ++k)
+    fastest = std::max(fastest, norm(state.v[k]));
+  const double given = linkage.kinetic(d) / (h * h) + linkage.mass() * fastest * fastest;
+  return linkage.kinetic(v) <= most_aside * given;
+}
+
+}  // namespace
+
 // Lays down what velocities follow from: Island::impulse and the pushes on its sides.
 void ClusterStepper::fill_velocities(Island& island) {
   const LinkageState& state = *island.state;
@@ -71,7 +88,11 @@ void ClusterStepper::finish(double h, bool touched) {
       island.impulse[k] += (0.5 * h) * island.force[k];
     end_elastics(island, h);
     island.push.assign(island.batches(), Lanes{});
-    if (island.sides.empty() || !touched) find_velocities(island);
+    if (!island.sides.empty() && touched) continue;
+    find_velocities(island);
+    if (!island.ground.is_empty() || are_sound(state, island.v, island.d, h)) continue;
+    std::fill(island.end_pulls.begin(), island.end_pulls.end(), 0.0);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
   }
 }
 
