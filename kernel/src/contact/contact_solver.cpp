@@ -30,7 +30,7 @@ std::uint32_t time_order_of(const Settings& settings) {
 std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, const ContactSettings& contact) {
   if (settings.method != Method::relax) {
     const bool picks = settings.method == Method::automatic && !settings.accuracy && !settings.gradient;
-    const CrowdRules rules{.stop = {.sweeps = 20}};
+    const CrowdRules rules{.stop = {}, .step_sweeps = 120};
     return std::make_unique<ClusterStepper>(
         isa, contact, std::make_unique<RelaxedStepper<double>>(isa, contact, rules), picks);
   }

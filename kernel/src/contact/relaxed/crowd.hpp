@@ -6,6 +6,7 @@
 
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
+#include "contact/relaxed/visits/sweep_momentum.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
@@ -18,6 +19,9 @@ struct CrowdRules {
   Weights weights = Weights::mass;     ///< by which rods share a correction
   double omega = 1;
   StopRule stop;
+  /// So many sweeps of a step are shared by its substeps, which have momentum. If it is 0, each has those of
+  /// `stop`, without.
+  std::uint32_t step_sweeps = 0;
 };
 
 /// Holds the particles and rods of all islands of a cluster for vectors of rods.
@@ -85,6 +89,9 @@ class Crowd {
   T* displacements() { return p_.data(); }
   const T* displacements() const { return p_.data(); }
   const CrowdPlaces& places() const { return places_; }
+  SweptNumbers<T> swept() { return {p_.data(), places_.numbers(), 0, 1}; }
+  /// Names what sweeps that count add up.
+  SweptNumbers<T> counted() { return {moved_.data(), places_.rods().size() * simd::moved_fields, 0, 1}; }
   /// @}
 
   std::uint32_t rods() const { return places_.count_rods(); }

@@ -68,8 +68,6 @@ class CrowdContacts {
     near_.follow(cluster, crowd, surroundings, ground, left, team);
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.more_plain_ends());
   }
-  /// Returns whether any may touch at all.
-  bool any_near() const { return !near_.are_empty(); }
 
   /// Returns into how many parts a substep of h (s) is to be cut so that no hull that may touch moves far in
   /// one. A blow would crush its rods flat, and they might come back the other way round.
@@ -88,6 +86,8 @@ class CrowdContacts {
   void sweep(Crowd<T>& crowd, Team* team);
   /// Does so, and returns the largest change of a place, m.
   double measured_sweep(Crowd<T>& crowd, Team* team);
+  /// Names all pushes that sweeps change. Returns false if some are visited alone, which are not among them.
+  bool list_swept(std::vector<SweptNumbers<T>>& to);
   /// Ends sweeps, after which pushes are known.
   void end_sweeps() { vectors_.write_back(); }
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.

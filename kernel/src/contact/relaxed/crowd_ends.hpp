@@ -55,6 +55,12 @@ class CrowdEnds {
   /// Writes last pushes to what islands keep that move, for the next step.
   void keep(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) const;
 
+  /// Names the pushes of all ends.
+  SweptNumbers<T> swept() {
+    T* const first = &fields_[simd::end_fields::push * lanes];
+    return {first, 3 * lanes, simd::end_fields::count * lanes, touched_.size()};
+  }
+
   bool any_touch() const { return !touching_.empty(); }
   bool any_push() const;
   std::size_t count_pushes() const;

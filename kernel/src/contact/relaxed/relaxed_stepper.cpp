@@ -25,6 +25,10 @@ constexpr double least_guarded = 0.05;
 constexpr std::uint32_t most_struck_cuts = 32;
 /// Contacts alone are visited at most so often more, so that what sweeps leave is not in the ground.
 constexpr std::uint32_t most_presses = 50;
+/// Substeps have at least so many of the sweeps that they share.
+constexpr std::uint32_t least_sweeps = 10;
+/// They go on after so many at once: to go on takes a fifth of a sweep.
+constexpr std::uint32_t sweeps_together = 2;
 
 }  // namespace
 
@@ -44,6 +48,8 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   gather(cluster, surroundings, dt);
   const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps), substeps = rules.substeps * cuts;
   is_hit_ = cuts > 1 || (contacts_.has_hulls() && is_crushed());
+  most_sweeps_ =
+      rules_.step_sweeps == 0 ? rules_.stop.sweeps : std::max(least_sweeps, rules_.step_sweeps / substeps);
   const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
@@ -155,7 +161,8 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   crowd_.advance(h, gradient);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
-  const bool is_violent = is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
+  const bool is_violent =
+      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
   if (is_guarded && is_violent && gradient == Gradient::new_) guard_energy(most_energy, report);
   contacts_.end(cluster, crowd_, h);
   count_pulls(cluster, gradient, h);
@@ -197,8 +204,8 @@ double RelaxedStepper<T>::most_violated() const {
   return crowd_.has_loops() ? std::max(least_torn, crowd_.violation_before()) : INFINITY;
 }
 
-/// Bounces by single places, and what a blow winds up, give no energy (J) of motion. What flies keeps its
-/// momentum while it is held back.
+/// Bounces by single places, and what a blow or the momentum of sweeps winds up, give no energy (J) of
+/// motion. What flies keeps its momentum while it is held back.
 template <class T>
 void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
   const double energy = crowd_.kinetic();
@@ -239,6 +246,16 @@ void RelaxedStepper<T>::brake_joints(std::span<LinkageState* const> cluster, dou
   }
 }
 
+/// Returns whether sweeps have momentum. What joints and contacts alone have pushed does not go on.
+template <class T>
+bool RelaxedStepper<T>::begin_momentum() {
+  swept_.assign({crowd_.swept()});
+  if (counts_) swept_.push_back(crowd_.counted());
+  if (rules_.step_sweeps == 0 || !joints_.are_empty() || !contacts_.list_swept(swept_)) return false;
+  momentum_.begin(swept_);
+  return true;
+}
+
 template <class T>
 void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   const StopRule& stop = rules_.stop;
@@ -249,7 +266,8 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   std::uint32_t done = 0;
   StoppedBy reason = StoppedBy::sweeps;
   double left = INFINITY;
-  while (done < stop.sweeps) {
+  const bool has_momentum = begin_momentum();
+  while (done < most_sweeps_) {
     if (stop.tolerance && left <= *stop.tolerance * settings_.length_scale &&
         crowd_.violation(rod_kernels()) <= bound) {
       reason = StoppedBy::tolerance;
@@ -266,6 +284,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     else
       contacts_.sweep(crowd_, team_);
     ++done;
+    if (has_momentum && done % sweeps_together == 0 && done < most_sweeps_) momentum_.go_on(swept_);
   }
   contacts_.end_sweeps();
   if (is_hit_ || is_struck()) {
@@ -288,7 +307,7 @@ std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
     joints_.sweep(crowd_);
     contacts_.sweep(crowd_, team_);
   }
-  const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, rules_.stop.sweeps);
+  const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, most_sweeps_);
   for (std::uint32_t i = 0; i < presses && contacts_.depth(crowd_) > deepest; ++i)
     contacts_.sweep(crowd_, team_);
   contacts_.end_sweeps();

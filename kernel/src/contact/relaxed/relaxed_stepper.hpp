@@ -62,6 +62,7 @@ class RelaxedStepper final : public ClusterMover {
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
   void begin_rows(std::span<LinkageState* const> cluster, double h);
+  bool begin_momentum();
   void solve(Gradient gradient, Tally& report);
   void brake_joints(std::span<LinkageState* const> cluster, double h);
 
@@ -79,6 +80,9 @@ class RelaxedStepper final : public ClusterMover {
   CrowdJoints<T> joints_;
   CrowdBlows<T> blows_;
   std::vector<Vec3> rigid_;
+  SweepMomentum<T> momentum_;
+  std::vector<SweptNumbers<T>> swept_;
+  std::uint32_t most_sweeps_ = 1;  ///< of a substep
   double recovery_rate_ = 0;
   Team* team_ = nullptr;      ///< that may help
   bool is_swept_on_ = false;  ///< in this substep, after a blow

@@ -65,6 +65,12 @@ class CrowdLines {
   /// Writes last pushes to what islands keep, for the next step.
   void keep(std::span<LinkageState* const> cluster, const CrowdPairs<T>& near) const;
 
+  /// Names the pushes of all contacts.
+  SweptNumbers<T> swept() {
+    T* const first = &fields_[simd::line_contact_fields::push * lanes];
+    return {first, 3 * lanes, fields_each() * lanes, slots_.size() / lanes};
+  }
+
   bool any_touch() const { return !ranges_.empty(); }
   bool any_push() const;
   std::size_t count_pushes() const;

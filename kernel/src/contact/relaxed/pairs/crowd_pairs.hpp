@@ -70,7 +70,6 @@ class CrowdPairs {
   /// then hulls pass through in it, from the crowd's origin. Empty ones do not count.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
               const GroundNow& ground, std::span<const Bounds> ways);
-  bool are_empty() const { return are_all_plain() && plain_ends_.empty(); }
   /// Returns whether nothing may touch but plain ends.
   bool are_all_plain() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&

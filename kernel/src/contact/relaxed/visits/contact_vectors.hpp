@@ -43,6 +43,11 @@ class ContactVectors {
   void reserve(const Crowd<T>& crowd);
   void put(const Crowd<T>& crowd, const Visited& contact, Pushes pushes);
   /// @}
+  /// Names the pushes of all contacts.
+  SweptNumbers<T> swept() {
+    T* const first = &fields_[simd::contact_fields::push * lanes];
+    return {first, 3 * lanes, simd::contact_fields::count * lanes, pushes_.size() / lanes};
+  }
   /// Writes pushes to where contacts keep them. Their places must not have changed since put().
   void write_back();
 

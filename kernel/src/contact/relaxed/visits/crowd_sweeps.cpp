@@ -67,6 +67,12 @@ void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
 }
 
 template <class T>
+bool CrowdContacts<T>::list_swept(std::vector<SweptNumbers<T>>& to) {
+  to.insert(to.end(), {ends_.swept(), vectors_.swept(), lines_.swept()});
+  return alone_.empty();
+}
+
+template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
   // One after the other: compilers differ in which argument of a call they evaluate first.
   const double of_ends = ends_.measured_sweep(crowd);
@@ -221,12 +227,14 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
 
 template void CrowdContacts<float>::lay_out(const Crowd<float>&);
 template void CrowdContacts<float>::sweep(Crowd<float>&, Team*);
+template bool CrowdContacts<float>::list_swept(std::vector<SweptNumbers<float>>&);
 template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
 template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<float>::depth(const Crowd<float>&) const;
 template bool CrowdContacts<float>::bounce(Crowd<float>&);
 template void CrowdContacts<double>::lay_out(const Crowd<double>&);
 template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
+template bool CrowdContacts<double>::list_swept(std::vector<SweptNumbers<double>>&);
 template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
 template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<double>::depth(const Crowd<double>&) const;
