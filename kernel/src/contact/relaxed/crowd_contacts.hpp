@@ -57,7 +57,8 @@ class CrowdContacts {
     ends_.clear();
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
     longest_ = -1;
-    lines_.begin_step(cluster, crowd, near_);
+    if (near_.may_meet() || meets_) lines_.begin_step(cluster, crowd, near_);
+    meets_ = near_.may_meet();
   }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
@@ -377,6 +378,7 @@ class CrowdContacts {
   double moved_ = -1;                       ///< m, how far particles then go at most, if that is known
   double way_ = 0;                          ///< m, how far they went since find()
   double longest_ = -1;                     ///< m, of lines when it was measured in the step, if it was
+  bool meets_ = false;                      ///< some may meet, and lines_ knows them
   std::vector<std::uint32_t> fast_places_;  ///< room for those of particles near ground
   std::vector<std::uint64_t> marks_;        ///< a bit for each line
   std::vector<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
