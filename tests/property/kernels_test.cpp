@@ -439,6 +439,38 @@ TYPED_TEST(KernelsOf, ParticleLoopsHaveTheScalarBits) {
       }
 }
 
+TYPED_TEST(KernelsOf, CrowdLoopsHaveTheScalarBits) {
+  using T = TypeParam;
+  const Kernels<T>& scalar = kernels<T>(Isa::scalar);
+  for (const Isa isa : vector_isas())
+    for (int round = 0; round < test::scaled(200); ++round)
+      for (const bool in_rows : {false, true}) {
+        const CrowdKernels<T>&one = in_rows ? scalar.row_crowds : scalar.crowds,
+              &many = in_rows ? kernels<T>(isa).row_crowds : kernels<T>(isa).crowds;
+        const std::uint32_t n = (in_rows ? 3 * logical_width<T> : 4) * below(this->random, 20);
+        AlignedBuffer<T> x(n), p(n), v(n), a(n);
+        for (AlignedBuffer<T>* field : {&x, &p, &v, &a})
+          for (std::uint32_t i = 0; i < n; ++i) (*field)[i] = number(this->random, Numbers::ordinary, T(1));
+        AlignedBuffer<T> p1(n), p2(n), x1 = copy(x), x2 = copy(x), v1(n), v2(n);
+        one.predict(p1.data(), v.data(), a.data(), T(0.1), T(0.01), n);
+        many.predict(p2.data(), v.data(), a.data(), T(0.1), T(0.01), n);
+        one.advance(x1.data(), v1.data(), p.data(), T(10), n);
+        many.advance(x2.data(), v2.data(), p.data(), T(10), n);
+        EXPECT_EQ(first_difference(p1, p2), -1) << to_string(isa);
+        EXPECT_EQ(first_difference(x1, x2), -1) << to_string(isa);
+        EXPECT_EQ(first_difference(v1, v2), -1) << to_string(isa);
+        std::vector<double> mass(n);
+        for (double& each : mass) each = std::abs(number(this->random, Numbers::ordinary, 1.0));
+        EXPECT_EQ(one.weigh_squares(mass.data(), p.data(), n), many.weigh_squares(mass.data(), p.data(), n));
+        EXPECT_EQ(one.farthest(p.data(), n), many.farthest(p.data(), n)) << to_string(isa);
+        const FastRules<T> rules{{T(-1), T(-0.5), T(-1)}, {T(0.5), T(1), T(1)}, T(0.5)};
+        std::vector<std::uint32_t> to1(n), to2(n);
+        to1.resize(one.list_fast(x.data(), p.data(), rules, n, to1.data()));
+        to2.resize(many.list_fast(x.data(), p.data(), rules, n, to2.data()));
+        EXPECT_EQ(to1, to2) << to_string(isa);
+      }
+}
+
 // Wherever the one bad number stands.
 TYPED_TEST(KernelsOf, AllFiniteFindsEveryPlace) {
   using T = TypeParam;

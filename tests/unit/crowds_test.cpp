@@ -17,7 +17,6 @@
 #include "contact/relaxed/crowd_joints.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
-#include "contact/relaxed/pairs/particle_sides.hpp"
 #include "contact/relaxed/pairs/ways.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
 #include "contact/relaxed/places/middle.hpp"
@@ -174,41 +173,31 @@ TEST(Crowds, RowsAndRecordsConvergeToTheSame) {
               1e-6 * norm(beside.state.pulls.fixed[k]));
 }
 
-// The bounds of a line are what the sides of its ends stand for. Every other line is short, and of those that
-// are off the box most are off it on the first side that both ends are beyond.
-TEST(ParticleSides, LinesBeyondOneSideAreOffABox) {
-  constexpr std::uint32_t count = 200;
-  Scene scene;
+// In rows as in records, those are listed that start in the box and are displaced by more than a millimetre.
+TEST(Crowds, ListWhatIsFastInABox) {
+  constexpr double h = 0.01, least = 1e-3;
+  const Bounds box{{0.25, -1, 0.25}, {0.85, 1, 0.75}};
+  One alone(net()), beside(net()), other(dumbbell(1));
   std::mt19937_64 random(1);
-  const auto within = [&](double most) {
-    return most * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1);
-  };
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const bool is_near = i % 2 == 1;
-    const double most = is_near ? 0.2 : 3;
-    const Vec3 from = is_near ? scene.particles[i - 1].position : Vec3{};
-    scene.particles.push_back({.position = from + Vec3{within(most), within(most), within(most)}, .mass = 1});
-    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i});
-  }
-  scene.gravity = {};
-  One one(scene);
-  Crowd<double> crowd;
-  crowd.gather(one.cluster, {});
-  const Bounds box{{-1, -1, -1}, {1, 1, 1}};
-  ParticleSides sides;
-  sides.find(crowd, box);
-  int out = 0, off = 0;
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (std::uint32_t j = 0; j < i; ++j) {
-      const std::uint32_t a = crowd.number_of(0, i), b = crowd.number_of(0, j);
-      const Bounds line = box_around(crowd.position(a), crowd.position(b));
-      const bool is_short = i % 2 == 1 && j + 1 == i, is_off = sides.are_off(a, b);
-      off += is_short && !box.overlaps(line);
-      out += is_short && is_off;
-      if (!is_off) continue;
-      EXPECT_FALSE(box.overlaps(line)) << i << " " << j;
+  for (std::size_t k = 0; k + 1 < alone.state.v.size(); ++k)
+    alone.state.v[k] = beside.state.v[k] = {0.2 * static_cast<double>(random() >> 11) * 0x1p-53, 0, 0};
+  std::vector<LinkageState*> both{&beside.state, &other.state};
+  for (const std::span<LinkageState* const> cluster :
+       {std::span<LinkageState* const>(alone.cluster), {both}}) {
+    Crowd<double> crowd(simd::kernels<double>(best_isa()));
+    crowd.gather(cluster, {});
+    crowd.predict(h, Gradient::new_);
+    std::vector<std::uint32_t> want, room;
+    for (std::uint32_t k = 0; k < crowd.places().particles(); ++k) {
+      const std::uint32_t at = crowd.places().at(k);
+      const Vec3 there = crowd.position(at);
+      if (norm(crowd.moved(at)) > least && box.contains({there, there})) want.push_back(at);
     }
-  EXPECT_GT(out, off / 2);
+    std::sort(want.begin(), want.end());
+    const auto listed = crowd.list_fast(box, least, room);
+    EXPECT_GT(want.size(), 10u);
+    EXPECT_TRUE(std::equal(want.begin(), want.end(), listed.begin(), listed.end()));
+  }
 }
 
 TEST(CrowdJoints, BallJointsAndCablesAreExactAfterOneVisit) {

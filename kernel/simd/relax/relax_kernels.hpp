@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "plumb/layouts/aligned_buffer.hpp"
@@ -265,11 +266,34 @@ struct ParticleKernels {
   void (*advance_mid_guarded)(T* x, T* p, const T* kick, T decay, std::uint32_t n);
 };
 
+/// Says which particles are fast and near ground.
+template <class T>
+struct FastRules {
+  std::array<T, 3> low, high;  ///< m, of a box around ground
+  T least2;                    ///< m², the square of the displacement beyond which a particle is fast
+};
+
+/// Loops over `n` numbers of a crowd's particles.
+template <class T>
+struct CrowdKernels {
+  /// Predicts: p = keep * v + by * a.
+  void (*predict)(T* p, const T* v, const T* a, T keep, T by, std::uint32_t n);
+  /// Moves particles, and finds their velocities: x += p; v = over * p.
+  void (*advance)(T* x, T* v, const T* p, T over, std::uint32_t n);
+  /// Adds up squares of numbers, each multiplied by a mass.
+  double (*weigh_squares)(const double* mass, const T* of, std::uint32_t n);
+  /// Returns the square of how far (m) the particle is displaced that is displaced most.
+  T (*farthest)(const T* p, std::uint32_t n);
+  /// Lists places of fast particles near ground, ascending. Returns how many there are.
+  std::uint32_t (*list_fast)(const T* x, const T* p, const FastRules<T>&, std::uint32_t n, std::uint32_t* to);
+};
+
 template <class T>
 struct Kernels {
   ParticleKernels<T> particles;
-  AccessKernels<T> access[3];    ///< by layouts::Access
-  EndKernels<T> ends, row_ends;  ///< of records, and of rows
+  CrowdKernels<T> crowds, row_crowds;  ///< of records, and of rows
+  AccessKernels<T> access[3];          ///< by layouts::Access
+  EndKernels<T> ends, row_ends;        ///< likewise
   ContactKernels<T> contacts, row_contacts;
   LineKernels lines;
   LineContactKernels<T> line_contacts, row_line_contacts;

@@ -8,6 +8,7 @@
 #include "simd/relax/contacts/end_lanes.hpp"
 #include "simd/relax/contacts/line_contact_lanes.hpp"
 #include "simd/relax/contacts/line_lanes.hpp"
+#include "simd/relax/crowd_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
@@ -182,6 +183,8 @@ constexpr AccessKernels<T> access_kernels = {
 template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
+    crowd_kernels<1, T>,
+    row_crowd_kernels<T>,
     {access_kernels<RowAccess, T>, access_kernels<GatherAccess, T>, access_kernels<RecordAccess, T>},
     end_kernels<RecordAccess, T>,
     end_kernels<RowAccess, T>,

@@ -6,6 +6,7 @@
 #include "simd/relax/contacts/end_scalar.hpp"
 #include "simd/relax/contacts/line_contact_scalar.hpp"
 #include "simd/relax/contacts/line_scalar.hpp"
+#include "simd/relax/crowd_loops.hpp"
 #include "simd/relax/law_scalar.hpp"
 
 namespace plumb::simd {
@@ -155,6 +156,8 @@ constexpr AccessKernels<T> access_kernels = {
 template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
+    crowd_kernels<1, T>,
+    crowd_kernels<logical_width<T>, T>,
     {access_kernels<rows, T>, access_kernels<gather, T>, access_kernels<records, T>},
     end_kernels<records, T>,
     end_kernels<rows, T>,

@@ -35,6 +35,13 @@ class GroundShape {
     if (line_.empty()) return std::nullopt;
     return Segment{line_.front(), line_.back(), radius_};
   }
+  /// Returns whether a point may be within `reach` (m) of it.
+  bool may_reach(Vec3 p, double reach) const {
+    if (line_.empty()) return distance2(bounds_, p) <= reach * reach;
+    const Vec3 a = line_.front(), b = line_.back();
+    const Vec3 apart = p - between(a, b, place_along(a, b, p));
+    return dot(apart, apart) <= (reach + radius_) * (reach + radius_);
+  }
   /// Returns how far (m) a point is from what is convex; inside that is less than 0.
   double distance(Vec3 p) const {
     return nearness({.vertices = {&p, 1}, .normals = {}}, convex()).distance - radius_;

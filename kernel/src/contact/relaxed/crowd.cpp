@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace plumb::detail {
 namespace {
@@ -63,6 +62,7 @@ template <class T>
 void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules) {
   places_.lay_out(cluster, moves_, lanes);
   stride_ = places_.component_stride();
+  kernels_ = places_.access() == layouts::Access::rows ? &all_kernels_->row_crowds : &all_kernels_->crowds;
   inverse_mass_.clear();
   has_loops_ = false;
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
@@ -79,8 +79,8 @@ void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules&
     for (std::uint32_t c = 0; c < 3; ++c)
       if (inverse_mass_[k] > 0) mass_[places_.at(k) + c * stride_] = 1 / inverse_mass_[k];
   for (auto* const each : {&x_, &p_, &v_, &a_}) {
-    make_room(*each, places_.padded_numbers());
-    std::fill_n(each->data(), places_.padded_numbers(), T(0));
+    make_room(*each, places_.padded_numbers() + lanes);
+    std::fill_n(each->data(), places_.padded_numbers() + lanes, T(0));
   }
   weigh_rods(rules);
 }
@@ -211,21 +211,6 @@ void Crowd<T>::scatter(LinkageState& state, std::uint32_t island) const {
 }
 
 template <class T>
-void Crowd<T>::predict(double h, Gradient gradient) {
-  const T by = static_cast<T>(gradient == Gradient::mid ? 0.5 * h * h : h * h);
-  for (std::uint32_t i = 0; i < laid_out_.size(); ++i) {
-    const Linkage& linkage = *laid_out_[i]->linkage;
-    const T keep = static_cast<T>(h * linkage.kept(gradient == Gradient::mid ? 0.5 * h : h));
-    for (std::uint32_t k = places_.begin_of(i); k < places_.end_of(i); ++k) p_[k] = keep * v_[k] + by * a_[k];
-  }
-  for (std::size_t i = 0; i < anchors_.size(); ++i) {
-    const Vec3 v = carried_[i];
-    for (std::uint32_t c = 0; c < 3; ++c)
-      p_[anchors_[i] + c * stride_] = static_cast<T>(h) * static_cast<T>(c == 0 ? v.x : c == 1 ? v.y : v.z);
-  }
-}
-
-template <class T>
 void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels, bool counts) {
   const simd::BlockView<T> all = view();
   for (const simd::Range& range : ranges_) kernels.prepare(all, range);
@@ -255,91 +240,6 @@ double Crowd<T>::violation_before() const {
     most = std::max(most, std::abs(dot(along, along) / length2(rod) - 1));
   }
   return most;
-}
-
-template <class T>
-void Crowd<T>::advance(double h, Gradient gradient) {
-  const T over = static_cast<T>(1 / h);
-  for (std::uint32_t i = 0; i < laid_out_.size(); ++i) {
-    const std::uint32_t begin = places_.begin_of(i), end = places_.end_of(i);
-    const T kept = static_cast<T>(laid_out_[i]->linkage->kept(0.5 * h));
-    if (gradient == Gradient::mid)
-      for (std::uint32_t k = begin; k < end; ++k) v_[k] = kept * (2 * over * p_[k] - kept * v_[k]);
-    else
-      for (std::uint32_t k = begin; k < end; ++k) v_[k] = over * p_[k];
-    for (std::uint32_t k = begin; k < end; ++k) x_[k] += p_[k];
-  }
-  for (std::size_t i = 0; i < anchors_.size(); ++i) put(v_.data(), anchors_[i], carried_[i]);
-}
-
-template <class T>
-double Crowd<T>::kinetic(const T* data) const {
-  // Sums side by side do not wait for each other.
-  constexpr std::size_t side_by_side = 8;
-  double twice[side_by_side] = {};
-  std::size_t i = 0;
-  for (; i + side_by_side <= mass_.size(); i += side_by_side)
-    for (std::size_t k = 0; k < side_by_side; ++k)
-      twice[k] += mass_[i + k] * (double{data[i + k]} * data[i + k]);
-  for (std::size_t k = 0; i + k < mass_.size(); ++k)
-    twice[k] += mass_[i + k] * (double{data[i + k]} * data[i + k]);
-  return 0.5 * std::accumulate(twice, twice + side_by_side, 0.0);
-}
-
-template <class T>
-double Crowd<T>::most_moved() const {
-  const std::uint32_t stride = stride_;
-  const T* const p = p_.data();
-  T most[lanes] = {};  // by lane of a row
-  for (std::uint32_t first = 0; first < places_.numbers(); first += places_.pitch())
-    for (std::uint32_t k = 0; k < stride; ++k) {
-      const T x = p[first + k], y = p[first + k + stride], z = p[first + k + 2 * stride];
-      const T square = (x * x + y * y) + z * z;
-      most[k] = square > most[k] ? square : most[k];
-    }
-  return std::sqrt(double{*std::max_element(most, most + lanes)});
-}
-
-template <class T>
-void Crowd<T>::slow(double share, Vec3 about) {
-  for (std::uint32_t k = 0; k < inverse_mass_.size(); ++k)
-    if (const std::uint32_t to = places_.at(k); inverse_mass_[k] > 0)
-      put(v_.data(), to, about + share * (at(v_.data(), to) - about));
-}
-
-template <class T>
-auto Crowd<T>::common_motion() const -> CommonMotion {
-  CommonMotion out;
-  Vec3 momentum{};
-  double mass = 0;
-  for (std::uint32_t k = 0; k < inverse_mass_.size(); ++k) {
-    if (!(inverse_mass_[k] > 0)) return {};
-    mass += 1 / inverse_mass_[k];
-    momentum += 1 / inverse_mass_[k] * at(v_.data(), places_.at(k));
-  }
-  out.velocity = (1 / mass) * momentum;
-  out.energy = 0.5 * mass * dot(out.velocity, out.velocity);
-  return out;
-}
-
-template <class T>
-bool Crowd<T>::stop_if_broken(LinkageState& state, std::uint32_t island) {
-  constexpr std::uint32_t side_by_side = 4;
-  T zeros[side_by_side] = {};  // they stay so unless a number is infinite or none
-  const std::uint32_t begin = places_.begin_of(island), end = places_.end_of(island);
-  for (std::uint32_t k = begin; k < end; k += side_by_side)
-    for (std::uint32_t c = 0; c < side_by_side; ++c) zeros[c] += T(0) * x_[k + c] + T(0) * v_[k + c];
-  if (std::all_of(zeros, zeros + side_by_side, [](T zero) { return zero == 0; })) return false;
-  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
-    const std::uint32_t particle = places_.first(island) + k, to = places_.at(particle);
-    put(x_.data(), to, state.x[k] - origin_);
-    put(v_.data(), to, {});
-    put(a_.data(), to, {});
-    inverse_mass_[particle] = 0;
-    for (std::uint32_t c = 0; c < 3; ++c) mass_[to + c * stride_] = 0;
-  }
-  is_stale_ = true;
-  return true;
 }
 
 template <class T>

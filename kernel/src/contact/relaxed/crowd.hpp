@@ -7,6 +7,7 @@
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
 #include "contact/relaxed/visits/sweep_momentum.hpp"
+#include "contact/shapes/bounds.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
@@ -36,6 +37,9 @@ class Crowd {
     std::uint32_t at;     ///< the particle's place
     double weight, move;  ///< without dimension; 1/kg
   };
+
+  explicit Crowd(const simd::Kernels<T>& kernels = simd::kernels<T>(Isa::scalar))
+      : all_kernels_(&kernels), kernels_(&kernels.crowds) {}
 
   /// Takes in where the islands of a cluster are and how they move.
   void gather(std::span<LinkageState* const> cluster, const CrowdRules& rules);
@@ -74,6 +78,8 @@ class Crowd {
     double energy = 0;
   };
   CommonMotion common_motion() const;
+  /// Returns whether all sums of a number of places and that of velocities are finite.
+  bool is_finite() const;
   /// Puts an island back to where the substep began, at rest. Returns whether it was not finite.
   bool stop_if_broken(LinkageState& state, std::uint32_t island);
   /// Adds the impulses with which rods pulled in a substep of h (s).
@@ -81,6 +87,10 @@ class Crowd {
 
   /// Returns how far (m) the particle is displaced that is displaced most.
   double most_moved() const;
+  /// Lists places of particles, ascending, that are displaced by more than `least` (m) and start in a box
+  /// from the crowd's origin. The list lies in `room`.
+  std::span<const std::uint32_t> list_fast(const Bounds& box, double least,
+                                           std::vector<std::uint32_t>& room) const;
   /// Counts how often particles were laid out. What refers to places is good as long as it is the same.
   std::uint32_t layout() const { return layout_; }
   /// @{
@@ -156,7 +166,9 @@ class Crowd {
   void push(std::span<const Term> terms, Vec3 by, T* data) const {
     for (const Term& term : terms) put(data, term.at, at(data, term.at) + term.move * by);
   }
-  double kinetic(const T* data) const;
+  double kinetic(const T* data) const {
+    return 0.5 * kernels_->weigh_squares(mass_.data(), data, places_.numbers());
+  }
   void lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   double length2(const CrowdPlaces::Rod& rod) const;  ///< m²
   /// Shares corrections between the ends of rods, which are as long as RodLengths say now.
@@ -170,6 +182,8 @@ class Crowd {
   }
   simd::BlockView<T> view();
 
+  const simd::Kernels<T>* all_kernels_;
+  const simd::CrowdKernels<T>* kernels_;       ///< as particles are laid out
   std::vector<const LinkageState*> laid_out_;  ///< the islands that rods were laid out for
   bool is_stale_ = false;                      ///< an island was stopped since
   bool changes_lengths_ = false;

@@ -36,7 +36,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
   is_fast_ = false;
   place_hulls(crowd);
   if (moved_ < 0) moved_ = crowd.most_moved();
-  see_fast(crowd, surroundings.tree.bounds(), team);
+  see_fast(crowd, surroundings, team);
   if (!near_.pairs().empty())
     lines_.find(cluster, crowd, near_, {&placed_lines_.front().p.x, h, h * recovery_rate_}, team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
@@ -338,7 +338,6 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
   });
   ends_.end(cluster, crowd, h);
   lines_.end(cluster, crowd, near_, h);
-  travelled_ += moved_;
   way_ += moved_;
 }
 

@@ -11,7 +11,6 @@
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/lines/crowd_lines.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
-#include "contact/relaxed/pairs/particle_sides.hpp"
 #include "contact/relaxed/places/middle.hpp"
 #include "contact/relaxed/visits/contact_vectors.hpp"
 #include "contact/shapes/passing.hpp"
@@ -52,12 +51,14 @@ class CrowdContacts {
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double recovery_rate) {
     recovery_rate_ = recovery_rate;
-    seen_ = moved_ = -1;
+    moved_ = -1;
     way_ = 0;
     near_.find(cluster, crowd, surroundings, ground, dt);
     ends_.clear();
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
-    lines_.begin_step(cluster, crowd, near_);
+    longest_ = -1;
+    if (near_.may_meet() || meets_) lines_.begin_step(cluster, crowd, near_);
+    meets_ = near_.may_meet();
   }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
@@ -135,6 +136,8 @@ class CrowdContacts {
   using Ball = typename CrowdPairs<T>::Ball;
   using Pair = typename CrowdPairs<T>::Pair;
   static constexpr std::uint32_t none = 0xffffffff;
+  /// So many shapes of ground are looked at one by one.
+  static constexpr std::size_t few_shapes = 4;
 
   using Hull = typename CrowdPairs<T>::Hull;
   using Vectors = Linkage::HullShape::Vectors;
@@ -250,12 +253,6 @@ class CrowdContacts {
   struct Place {
     std::uint32_t batch, number;
   };
-  /// This is a body's number, its ends if both are particles, and the square of how far (m²) it is fast from.
-  struct NearLine {
-    std::uint32_t number;
-    std::array<std::uint32_t, 2> at;
-    double least2;
-  };
   /// This is how the line of a body moves, from the crowd's origin, in the order of simd::line_fields.
   struct alignas(64) PlacedLine {
     Vec3 p{};
@@ -314,9 +311,9 @@ class CrowdContacts {
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
   void place_lines(const Crowd<T>& crowd, Team* team);
-  void see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team);
-  NearLine near_line(const Body& body) const;
-  void list_lines_near(const Crowd<T>& crowd, const Bounds& box);
+  void see_fast(const Crowd<T>& crowd, const Surroundings& surroundings, Team* team);
+  bool is_fast(const Crowd<T>& crowd, const Body& body) const;
+  void list_fast(const Crowd<T>& crowd, const Surroundings& surroundings);
   void touch_in_passing(const Substep& in);
   void place_ways(const Crowd<T>& crowd);
   PairSearch pair_search() const { return {settings_.margin, settings_.tolerance}; }
@@ -380,11 +377,12 @@ class CrowdContacts {
   bool may_be_fast_ = false;                ///< some may be where particles are now
   double moved_ = -1;                       ///< m, how far particles then go at most, if that is known
   double way_ = 0;                          ///< m, how far they went since find()
-  double travelled_ = 0, seen_ = -1;        ///< m, how far since lines were listed, and may
-  ParticleSides sides_;
-  std::vector<NearLine> lines_near_;       ///< all that may come to ground until then
-  std::vector<std::uint32_t> fast_lines_;  ///< those that are, then, and may come to ground
-  std::vector<Bounds> ways_;               ///< around what bodies, then hulls pass through, from there
+  double longest_ = -1;                     ///< m, of lines when it was measured in the step, if it was
+  bool meets_ = false;                      ///< some may meet, and lines_ knows them
+  std::vector<std::uint32_t> fast_places_;  ///< room for those of particles near ground
+  std::vector<std::uint64_t> marks_;        ///< a bit for each line
+  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
+  std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
   KeptTable kept_;
   std::vector<Batch> batches_;

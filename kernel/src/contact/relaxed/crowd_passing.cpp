@@ -1,9 +1,11 @@
 // This file finds where capsules of a crowd touch each other, and where they would pass through each other.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "contact/relaxed/crowd_contacts.hpp"
+#include "contact/relaxed/pairs/ways.hpp"
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
@@ -17,51 +19,56 @@ double square(Vec3 v) {
 
 /// Places lines if others may touch them, and lists those that are fast and may come to ground.
 template <class T>
-void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team) {
+void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, const Surroundings& surroundings, Team* team) {
   may_be_fast_ = moved_ > near_.least_fast(settings_.margin, PairSearch::passes);
   fast_lines_.clear();
   if (near_.may_meet() || has_hulls()) place_lines(crowd, team);
   if (!may_be_fast_) return;
-  const auto is_fast = [&](const NearLine& line) {
-    const auto [a, b] = line.at;
-    return std::max(square(crowd.moved(a)), square(crowd.moved(b))) > line.least2;
-  };
-  const auto is_body_fast = [&](const Body& body) {
-    const NearLine line = near_line(body);
-    if (body.is_plain()) return is_fast(line);
-    return std::max(square(crowd.moved(near_.terms_of(body.a))),
-                    square(crowd.moved(near_.terms_of(body.b)))) > line.least2;
-  };
   const auto bodies = near_.bodies();
-  is_fast_ = is_fast_ || near_.are_alike() || std::any_of(bodies.begin(), bodies.end(), is_body_fast);
-  if (ground.is_empty()) return;
-  if (!(travelled_ + moved_ <= seen_)) list_lines_near(crowd, ground);
-  for (const NearLine& line : lines_near_) {
-    const Body& body = bodies[line.number];
-    if (line.at[0] != none ? is_fast(line) : is_body_fast(body)) fast_lines_.push_back(line.number);
-  }
+  is_fast_ =
+      is_fast_ || near_.are_alike() ||
+      std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) { return is_fast(crowd, body); });
+  if (!surroundings.tree.is_empty()) list_fast(crowd, surroundings);
 }
 
-/// Returns what see_fast() reads of a body.
+/// Returns whether an end of a body moves far for how thick it is.
 template <class T>
-auto CrowdContacts<T>::near_line(const Body& body) const -> NearLine {
+bool CrowdContacts<T>::is_fast(const Crowd<T>& crowd, const Body& body) const {
   const double least = settings_.margin + PairSearch::passes * body.radius;
-  const auto number = static_cast<std::uint32_t>(&body - near_.bodies().data());
-  return {number, body.is_plain() ? body.at : std::array{none, none}, least * least};
+  const auto moves = [&](std::uint32_t at, TermRange terms) {
+    return square(body.is_plain() ? crowd.moved(at) : crowd.moved(near_.terms_of(terms)));
+  };
+  return std::max(moves(body.at[0], body.a), moves(body.at[1], body.b)) > least * least;
 }
 
-/// Lists the lines that may come into a box, and for how far particles may go until others may.
+/// Lists fast lines but for those between particles of which none is fast and may come to ground. All of such
+/// a line is within its length of each of its ends.
 template <class T>
-void CrowdContacts<T>::list_lines_near(const Crowd<T>& crowd, const Bounds& box) {
-  constexpr double times = 12;  // as far as they go now
-  travelled_ = 0;
-  seen_ = times * moved_;
-  // Rounding of bounds is far below the margin.
-  const Bounds around = grown(box, seen_ + near_.largest_radius() + settings_.margin);
-  sides_.find(crowd, {around.low - crowd.origin(), around.high - crowd.origin()});
-  lines_near_.clear();
-  for (const Body& body : near_.bodies())
-    if (!body.is_plain() || !sides_.are_off(body.at[0], body.at[1])) lines_near_.push_back(near_line(body));
+void CrowdContacts<T>::list_fast(const Crowd<T>& crowd, const Surroundings& surroundings) {
+  if (longest_ < 0) longest_ = near_.longest_line(crowd);
+  // Since then no line has become longer by more than twice what particles went in the step. Rounding of
+  // bounds is far below the margin.
+  const double reach = longest_ + 2 * way_ + moved_ + near_.largest_radius() + settings_.margin;
+  const Bounds box = moved_by(grown(surroundings.tree.bounds(), reach), -1.0 * crowd.origin());
+  marks_.assign(near_.bodies().size() / 64 + 1, 0);
+  const auto mark = [&](std::uint32_t line) { marks_[line / 64] |= std::uint64_t{1} << line % 64; };
+  // No float of a line that is fast is as slow as that.
+  const double least = (1 - 1e-6) * near_.least_fast(settings_.margin, PairSearch::passes);
+  const bool are_few = surroundings.shapes.size() <= few_shapes;
+  const auto is_near = [&](std::uint32_t at) {
+    const Vec3 there = crowd.origin() + crowd.position(at);
+    return std::any_of(surroundings.shapes.begin(), surroundings.shapes.end(),
+                       [&](const GroundShape& each) { return each.may_reach(there, reach); });
+  };
+  for (const std::uint32_t at : crowd.list_fast(box, least, fast_places_))
+    if (!are_few || is_near(at))
+      for (const std::uint32_t line : near_.lines_at(crowd.places().particle_at(at))) mark(line);
+  for (const std::uint32_t line : near_.other_lines()) mark(line);
+  for (std::uint32_t i = 0; i < marks_.size(); ++i)
+    for (std::uint64_t left = marks_[i]; left != 0; left &= left - 1) {
+      const std::uint32_t line = 64 * i + static_cast<std::uint32_t>(std::countr_zero(left));
+      if (is_fast(crowd, near_.bodies()[line])) fast_lines_.push_back(line);
+    }
 }
 
 /// Places the lines of bodies where the substep begins, with their displacements of now.
@@ -129,7 +136,7 @@ bool CrowdContacts<T>::outrun_hulls(const Crowd<T>& crowd) {
 template <class T>
 void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
   moved_ = in.crowd.most_moved();
-  see_fast(in.crowd, in.surroundings.tree.bounds(), team);
+  see_fast(in.crowd, in.surroundings, team);
   if (!near_.may_meet() && !has_hulls()) return;
   place_ways(in.crowd);
   near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
@@ -147,11 +154,9 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
 
 template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
 template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
-template void CrowdContacts<float>::see_fast(const Crowd<float>&, const Bounds&, Team*);
-template void CrowdContacts<double>::see_fast(const Crowd<double>&, const Bounds&, Team*);
-template void CrowdContacts<float>::list_lines_near(const Crowd<float>&, const Bounds&);
+template void CrowdContacts<float>::see_fast(const Crowd<float>&, const Surroundings&, Team*);
+template void CrowdContacts<double>::see_fast(const Crowd<double>&, const Surroundings&, Team*);
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
-template void CrowdContacts<double>::list_lines_near(const Crowd<double>&, const Bounds&);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::find_missed_pairs(const Substep&, Team*);
 template void CrowdContacts<double>::find_missed_pairs(const Substep&, Team*);

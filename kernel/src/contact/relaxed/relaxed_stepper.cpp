@@ -168,10 +168,11 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   count_pulls(cluster, gradient, h);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
+  const bool may_be_broken = !crowd_.is_finite();
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     if (!crowd_.is_moving(i)) continue;
     cluster[i]->keep_given();
-    if (!crowd_.stop_if_broken(*cluster[i], i)) continue;
+    if (!may_be_broken || !crowd_.stop_if_broken(*cluster[i], i)) continue;
     cluster[i]->freeze();
     ++report.frozen_islands;
   }

@@ -26,6 +26,7 @@ class RelaxedStepper final : public ClusterMover {
       : kernels_(&simd::kernels<T>(isa)),
         settings_(settings),
         rules_(rules),
+        crowd_(simd::kernels<T>(isa)),
         contacts_(settings, simd::kernels<T>(isa)) {}
 
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,

@@ -1,7 +1,9 @@
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "contact/linkage/linkage_bounds.hpp"
@@ -87,16 +89,43 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
   compare_shapes(crowd);
 }
 
-/// Finds whether bodies differ in nothing but their places.
+/// Lists for every particle which lines end there.
+template <class T>
+void CrowdPairs<T>::list_lines(const CrowdPlaces& places) {
+  other_lines_.clear();
+  first_line_.assign(places.particles() + 2, 0);
+  for (const Body& body : bodies_)
+    if (body.is_plain())
+      for (const std::uint32_t at : body.at) ++first_line_[places.particle_at(at) + 2];
+  std::partial_sum(first_line_.begin(), first_line_.end(), first_line_.begin());
+  lines_at_.resize(first_line_.back());
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
+    if (!bodies_[i].is_plain()) {
+      other_lines_.push_back(i);
+      continue;
+    }
+    for (const std::uint32_t at : bodies_[i].at) lines_at_[first_line_[places.particle_at(at) + 1]++] = i;
+  }
+}
+
+/// Lists where bodies end, and finds whether they differ in nothing else.
 template <class T>
 void CrowdPairs<T>::compare_shapes(const Crowd<T>& crowd) {
+  list_lines(crowd.places());
   are_alike_ = are_lines_plain_ && least_radius_ == largest_radius_;
-  if (!are_alike_) return;
-  near_.clear();
-  for (const Body& body : bodies_) near_.insert(near_.end(), body.at.begin(), body.at.end());
-  std::sort(near_.begin(), near_.end());
-  const auto distinct = std::unique(near_.begin(), near_.end()) - near_.begin();
-  are_alike_ = static_cast<std::uint32_t>(distinct) == crowd.places().particles();
+  for (std::uint32_t k = 0; are_alike_ && k < crowd.places().particles(); ++k)
+    are_alike_ = !lines_at(k).empty();
+}
+
+template <class T>
+double CrowdPairs<T>::longest_line(const Crowd<T>& crowd) const {
+  double square = 0;
+  for (const Body& body : bodies_) {
+    if (!body.is_plain()) continue;
+    const Vec3 along = crowd.position(body.at[1]) - crowd.position(body.at[0]);
+    square = std::max(square, dot(along, along));
+  }
+  return std::sqrt(square);
 }
 
 template <class T>

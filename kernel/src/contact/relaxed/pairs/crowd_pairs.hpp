@@ -124,6 +124,14 @@ class CrowdPairs {
   /// Returns whether all bodies are lines of one radius between particles, and all particles their ends. If
   /// some particle is fast, so is a line.
   bool are_alike() const { return are_alike_; }
+  /// Returns the lines between particles that end at one, ascending, and all other bodies.
+  std::span<const std::uint32_t> lines_at(std::uint32_t particle) const {
+    return std::span(lines_at_).subspan(first_line_[particle],
+                                        first_line_[particle + 1] - first_line_[particle]);
+  }
+  std::span<const std::uint32_t> other_lines() const { return other_lines_; }
+  /// Returns how long (m) the longest line between particles is.
+  double longest_line(const Crowd<T>& crowd) const;
   /// Returns the largest radius (m) of a body.
   double largest_radius() const { return largest_radius_; }
   std::span<const Term> terms_of(TermRange range) const {
@@ -143,6 +151,7 @@ class CrowdPairs {
   }
   void list_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd);
   void compare_shapes(const Crowd<T>& crowd);
+  void list_lines(const CrowdPlaces& places);
   void bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt, double more);
   /// Returns the place of a ball that is plain.
   std::uint32_t place_of(const Ball& ball) const { return ends_[ball.center.first].at; }
@@ -190,6 +199,7 @@ class CrowdPairs {
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
   std::vector<Pair> plain_ends_, more_plain_ends_;
+  std::vector<std::uint32_t> first_line_, lines_at_, other_lines_;
   std::vector<const LinkageState*> listed_;  ///< the islands that shapes were listed for
   std::uint32_t layout_ = none;              ///< of the crowd, then
   bool are_lines_plain_ = false;             ///< all bodies are

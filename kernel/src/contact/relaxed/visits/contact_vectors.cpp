@@ -11,7 +11,9 @@ namespace fields = simd::contact_fields;
 
 template <class T>
 void ContactVectors<T>::begin(const Crowd<T>& crowd) {
-  taken_.assign(crowd.places().particles(), 0);
+  // Nothing was taken where nothing got a colour.
+  if (!color_.empty() || taken_.size() != crowd.places().particles())
+    taken_.assign(crowd.places().particles(), 0);
   color_.clear();
   next_.fill(0);
   put_ = 0;
