@@ -136,7 +136,7 @@ inline constexpr double most_disturbed = 1e-5;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 
-/// Velocities at the end of a substep may have so many times the energy that comes of what it did. Rods that
+/// Velocities at the end of a substep may have so many times the energy that it and anchors give. Rods that
 /// are levers give some hundred times.
 inline constexpr double most_aside = 1e3;
 

@@ -10,15 +10,17 @@ using namespace contact_limits;
 
 namespace {
 
-/// Returns whether velocities at the end of a substep of h (s) have no more energy than comes of its
-/// displacements (m), of gravity, and of how fast anchors and lengths go. Where anchors ask for what rods in
-/// one line cannot do, what fits nearly goes far aside.
+/// Returns whether velocities at the end of a substep of h (s) have no more energy than its displacements
+/// (m), gravity, and anchors that move may give. Where anchors ask for what rods in one line cannot do until
+/// they break, what fits nearly goes far aside.
 bool are_sound(const LinkageState& state, std::span<const Vec3> v, std::span<const Vec3> d, double h) {
   const Linkage& linkage = *state.linkage;
-  if (!linkage.is_grounded() || state.lengths.move()) return true;
-  double fastest = h * norm(linkage.gravity());
+  if (!linkage.breaks() || state.lengths.move()) return true;
+  double fastest = 0;
   for (std::size_t k = linkage.movable(); k < state.v.size(); ++k)
     fastest = std::max(fastest, norm(state.v[k]));
+  if (fastest == 0) return true;
+  fastest += h * norm(linkage.gravity());
   const double given = linkage.kinetic(d) / (h * h) + linkage.mass() * fastest * fastest;
   return linkage.kinetic(v) <= most_aside * given;
 }
