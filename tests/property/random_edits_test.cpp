@@ -195,7 +195,8 @@ void add(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 18 + (below(random, 4) == 0 ? 1 : 0)), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 18 + (below(random, 4) == 0 ? 1 : 0)),
+                      rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {

@@ -62,7 +62,8 @@ struct PLUMB_HIDDEN World::Impl {
   /// Refuses the number of what the world does not have, or no more.
   static void require_there(const detail::Numbers& numbers, const char* what, std::uint32_t number) {
     require_one_of(numbers.count(), what, number);
-    if (numbers.generation(number) == 0) detail::refuse(what, ' ', number, ": is reserved, and not added yet");
+    if (numbers.generation(number) == 0)
+      detail::refuse(what, ' ', number, ": is reserved, and not added yet");
     if (!numbers.has(number)) detail::refuse(what, ' ', number, ": was removed");
   }
   /// Lets lists have as many particles as there are numbers.

@@ -259,8 +259,8 @@ void TreeSolver<T>::find_velocities() const {
 }
 
 /// A displacement stands for the velocity of now under the force that made it. Before that force changes, it
-/// gives way to the velocity, in all lanes of a line in segments. While others move the lane's island, it stands
-/// for nothing.
+/// gives way to the velocity, in all lanes of a line in segments. While others move the lane's island, it
+/// stands for nothing.
 template <class T>
 void TreeSolver<T>::keep_velocities(std::uint32_t lane) {
   if (state_.u_step[lane] == 0 || away_ || state_.idle[lane]) return;

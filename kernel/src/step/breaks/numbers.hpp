@@ -56,7 +56,7 @@ class Numbers {
   void list_free();
 
   std::uint32_t count_;
-  std::vector<std::uint32_t> generations_;                     ///< by number; empty while all are the first ones
+  std::vector<std::uint32_t> generations_;  ///< by number; empty while all are the first ones
   std::vector<std::pair<std::uint32_t, std::uint32_t>> free_;  ///< ranges that ascend: first and size
 };
 

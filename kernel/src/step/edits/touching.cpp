@@ -19,8 +19,8 @@ const Place* Step::contact_place(std::uint32_t particle) const {
   return !places.empty() && &solver(places.back()) == compiled_.contact ? &places.back() : nullptr;
 }
 
-/// An island that a broken rod has left whole, or leaves so now, still hangs from the rod's fixed end. It does
-/// not any more where that is freed. A bend brings its particles together with one that is freed.
+/// An island that a broken rod has left whole, or leaves so now, still hangs from the rod's fixed end. It
+/// does not any more where that is freed. A bend brings its particles together with one that is freed.
 void Step::take_along(const Split& now) {
   const auto hangs_from = [&](std::uint32_t particle, std::uint32_t anchor) {
     const Place& home = compiled_.places.of(particle).front();
@@ -38,8 +38,7 @@ void Step::take_along(const Split& now) {
     for (const std::uint32_t rod : breaks_.rods_at(anchor)) {
       const Rod& of = breaks_.scene_now().rods[rod];
       const std::uint32_t other = of.a == anchor ? of.b : of.a;
-      if (is_out(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor))
-        breaks_.take_along(other);
+      if (is_out(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor)) breaks_.take_along(other);
     }
     for (const std::uint32_t other : bent_with(anchor))
       if (!anchors_.is_fixed(other)) breaks_.take_along(other);
