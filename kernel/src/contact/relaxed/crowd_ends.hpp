@@ -57,6 +57,7 @@ class CrowdEnds {
 
   /// Names the pushes of all ends.
   SweptNumbers<T> swept() {
+    if (touched_.empty()) return {};
     T* const first = &fields_[simd::end_fields::push * lanes];
     return {first, 3 * lanes, simd::end_fields::count * lanes, touched_.size()};
   }

@@ -67,6 +67,7 @@ class CrowdLines {
 
   /// Names the pushes of all contacts.
   SweptNumbers<T> swept() {
+    if (slots_.empty()) return {};
     T* const first = &fields_[simd::line_contact_fields::push * lanes];
     return {first, 3 * lanes, fields_each() * lanes, slots_.size() / lanes};
   }

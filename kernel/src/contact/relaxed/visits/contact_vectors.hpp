@@ -45,6 +45,7 @@ class ContactVectors {
   /// @}
   /// Names the pushes of all contacts.
   SweptNumbers<T> swept() {
+    if (pushes_.empty()) return {};
     T* const first = &fields_[simd::contact_fields::push * lanes];
     return {first, 3 * lanes, simd::contact_fields::count * lanes, pushes_.size() / lanes};
   }
