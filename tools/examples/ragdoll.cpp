@@ -42,7 +42,7 @@ int main() {
     join(scene, torso, add_limb(scene, shoulder, hand, 4, 0.05), shoulder);
   }
 
-  // Methods direct and automatic alone move bodies and what touches.
+  // Method automatic solves bodies and what touches, or relaxes large heaps.
   plumb::World world(scene, {.method = plumb::Method::automatic, .substeps = 4});
   bool awake = true;
   while (awake && world.time() < 20) awake = world.step(1.0 / 60).awake_islands > 0;
