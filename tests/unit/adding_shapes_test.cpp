@@ -11,36 +11,25 @@
 #include "contact/edits/given_numbers.hpp"
 #include "plumb/plumb.hpp"
 #include "support/edited_worlds.hpp"
+#include "support/figures.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
 
 using test::expect_refusal;
+using test::floor_alone;
 
 constexpr double frame = 1.0 / 60, radius = 0.02;
 
 /// Appends a rope of four rods of 0.1 m with capsules along them.
 void add_rope(Scene& scene, Vec3 from, Vec3 way, bool is_anchored = false) {
-  const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (std::uint32_t i = 0; i <= 4; ++i)
-    scene.particles.push_back(
-        {.position = from + 0.1 * i * way, .mass = 0.1, .fixed = is_anchored && i == 0});
-  for (std::uint32_t i = first; i < first + 4; ++i) {
-    scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
-    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
-  }
+  test::add_rope(scene, from, way, is_anchored, radius);
 }
 
 Scene rope(Vec3 from, Vec3 way, bool is_anchored = false) {
   Scene scene;
   add_rope(scene, from, way, is_anchored);
-  return scene;
-}
-
-Scene floor_alone() {
-  Scene scene;
-  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
   return scene;
 }
 
