@@ -126,6 +126,13 @@ inline constexpr double rounding = 2;
 inline constexpr std::size_t few_on_ground = 16;
 /// Where these are not found there, up to so many are swept, too.
 inline constexpr std::size_t most_swept_ground = 128;
+/// Steps along the edge of Coulomb's cone are shortened where they would overshoot by more than this share.
+/// Of smaller shares sweeps get rid as fast.
+inline constexpr double most_overshoot = 0.5;
+/// Overlaps that contradict each other, as of two figures in one place, end as far as they agree. Sweeps keep
+/// this share of what pushes them apart, so that one alone ends half as fast. Other shares than one half were
+/// as good.
+inline constexpr double yielding = 0.5;
 /// Contacts in the matrix are solved once their pushes lack no more than this share of the largest. A larger
 /// share takes fewer corrections and leaves other velocities.
 inline constexpr double ground_enough = 1e-7;

@@ -96,17 +96,31 @@ double ClusterStepper::set(Row& row, double value) {
   return std::abs(by) * row.own;
 }
 
-/// Sets the normal push of the contact whose rows start at `r`, and the pushes against sliding, no longer
-/// together than `most`.
+/// Sets the normal push of the contact whose rows start at `r`, and the pushes against sliding, to what the
+/// normal row asks for alone, or to a part of the way. `kept` is the share of all that stays.
+///
+/// What slides is pushed along the edge of Coulomb's cone: more normal push brings more friction. Where that
+/// moves the place by e along the normal for each that the normal push does, a whole step overshoots by e.
+/// Beyond 1 steps go back and forth for ever.
 template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
-double ClusterStepper::contact(std::size_t r, double normal, double most) {
+double ClusterStepper::contact(std::size_t r, double normal, double kept) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
-  const double by0 = normal - n.*of;
+  double by0 = normal - n.*of;
   // The normal push also moves the other two rows. What does not depend on it is computed first, so that the
   // processor need not wait.
   const double first_alone = s.*of - s.over * slide<of>(s), second_alone = t.*of - t.over * slide<of>(t);
-  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
-  into_disk(first, second, most);
+  const double square = first_alone * first_alone + second_alone * second_alone;
+  const double most_now = n.bound * n.*of;
+  if (square > most_now * most_now) {
+    const double along = n.across[0] * s.own * first_alone + n.across[1] * t.own * second_alone;
+    const double overshoot = n.bound * along / std::sqrt(square);
+    if (overshoot > most_overshoot * n.own) {
+      by0 *= n.own / (n.own + overshoot);
+      normal = n.*of + by0;
+    }
+  }
+  double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
+  into_disk(first, second, n.bound * normal);
   const double by1 = first - s.*of, by2 = second - t.*of;
   if constexpr (sweep == Sweep::pushes) {
     n.*of = normal;
@@ -139,9 +153,9 @@ double ClusterStepper::sweep_positions() {
     double p = 0;
     switch (row.kind) {
       case Kind::normal: {
-        const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
-        if (normal > 0 || row.p != 0)
-          worst = std::max(worst, contact<&Row::p, sweep>(r, normal, row.bound * normal));
+        const double kept = row.gap < 0 ? kept_of_overlaps_ : 1;
+        const double normal = kept * std::max(0.0, row.p - row.over * row.gap - row.over * u);
+        if (normal > 0 || row.p != 0) worst = std::max(worst, contact<&Row::p, sweep>(r, normal, kept));
         r += 2;
         continue;
       }
@@ -156,7 +170,7 @@ double ClusterStepper::sweep_positions() {
         break;
       }
       case Kind::limit:
-        p = std::max(0.0, row.p - row.over * (u + row.gap));
+        p = (row.gap < 0 ? kept_of_overlaps_ : 1) * std::max(0.0, row.p - row.over * (u + row.gap));
         break;
       case Kind::brake:
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
@@ -177,7 +191,7 @@ double ClusterStepper::sweep_velocities() {
       case Kind::normal:
         if (row.p > 0) {
           const double normal = std::max(0.0, row.q - row.over * (slide<&Row::q>(row) - row.bounce));
-          worst = std::max(worst, contact<&Row::q, sweep>(r, normal, row.bound * normal));
+          worst = std::max(worst, contact<&Row::q, sweep>(r, normal, 1));
         }
         r += 2;
         continue;
@@ -300,7 +314,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
   if (is_wide_) end_free<&Row::p>();
   double last = INFINITY, last_to_do = INFINITY, first = 0;
   int sweeps = 0;
-  const bool is_disturbed = any_ground || is_crowded();
+  const bool is_disturbed = any_ground || is_crowded() || kept_of_overlaps_ < 1;
   const int most = is_disturbed ? most_ground_corrections : most_corrections;
   Closing closing;
   bool is_patient = false;

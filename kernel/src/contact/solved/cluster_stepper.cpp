@@ -250,6 +250,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   switches_ = 0;
   bool is_found = find_sound_positions(h, report);
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
+  is_unfound_ = !is_found && !found_crowd_ && !buckles_;
   if (!is_found) return false;
   double before = energy();
   const Energies held = energies_of_elastics();

@@ -144,6 +144,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_velocities_on_ground(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
+  bool any_overlap() const;
   bool is_landing() const;
   bool any_touch() const;
   bool any_bends() const;
@@ -348,6 +349,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool found_crowd_ = false;                   ///< and does
   bool is_fitted_ = false;                     ///< rods were brought to their lengths in this step
   bool is_buckled_ = false, buckles_ = false;  ///< rods were nudged aside in this step, or are to be
+  double kept_of_overlaps_ = 1;                ///< the share of their pushes that sweeps keep
+  bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
   bool is_wide_ = false;        ///< pushes are found freely

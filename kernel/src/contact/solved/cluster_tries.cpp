@@ -12,13 +12,15 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-/// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
-/// twice, with a loose grip, relaxed, and then halved on. Returns its length. It is 0 if nothing was found:
-/// what cannot be solved stays where it is, and keeps what motion is common to it.
+/// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, with
+/// overlaps that yield to each other, halved twice, with a loose grip, relaxed, and then halved on. Returns
+/// its length. It is 0 if nothing was found: what cannot be solved stays where it is, and keeps what motion
+/// is common to it.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
   loose_ = sweeps_ground_ = takes_end_ = false;
+  kept_of_overlaps_ = 1;
   bool was_loose = false;
   double halved = h;
   while (!substep(surroundings, h, report)) {
@@ -55,6 +57,12 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       h = whole;
       continue;
     }
+    if (h < few_cuts * whole && is_unfound_ && kept_of_overlaps_ == 1 && any_overlap()) {
+      kept_of_overlaps_ = yielding;
+      ++report.fallbacks;
+      h = whole;
+      continue;
+    }
     if (h >= least / 16) continue;
     if (!break_overload(report) && !fit(cluster, surroundings)) {
       ++report.unsolved;
@@ -84,6 +92,11 @@ bool ClusterStepper::is_on_ground() const {
 bool ClusterStepper::any_bends() const {
   return std::any_of(islands_.begin(), islands_.begin() + count_,
                      [](const Island& each) { return !each.state->linkage->bends().empty(); });
+}
+
+/// Returns whether a contact or a limit takes an overlap back.
+bool ClusterStepper::any_overlap() const {
+  return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.gap < 0; });
 }
 
 /// Returns whether most of what touches ground did not do so a substep ago.
