@@ -56,6 +56,7 @@ struct ClusterIsland {
   std::vector<Lanes> speed;     ///< what each side sees of d or v
   std::vector<Lanes> push;      ///< on each side, not yet applied
   std::vector<Lanes> sum;       ///< of responses
+  std::vector<Lanes> last_speed, last_push;  ///< after the last sweep, where these have momentum
   // Where pushes are found freely:
   std::vector<Vec3> free;         ///< m or m/s, how particles would move if they were free
   std::vector<Vec3> last_motion;  ///< m or m/s, after the last sweep

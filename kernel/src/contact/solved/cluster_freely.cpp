@@ -167,7 +167,6 @@ void ClusterStepper::extrapolate(double share) {
 
 template <double ClusterStepper::Row::*of>
 void ClusterStepper::keep_last() {
-  last_pushes_.resize(rows_.size());
   for (std::size_t r = 0; r < rows_.size(); ++r) last_pushes_[r] = rows_[r].*of;
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
@@ -207,7 +206,6 @@ double ClusterStepper::sweep_freely(double enough, double share, int most, int& 
       pace = next;
     }
     begin_free<of>();
-    swept_from_.resize(rows_.size());
     for (std::size_t r = 0; r < rows_.size(); ++r) swept_from_[r] = rows_[r].*of;
     left = pass();
     for (int again = 1; again < free_passes; ++again) pass();

@@ -94,6 +94,8 @@ inline constexpr double rough = 0.3;
 /// A substep sweeps its contacts at most this often before the first correction, and a quarter as often after
 /// one.
 inline constexpr int most_sweeps = 60;
+/// So many sweeps have no momentum, since most substeps need no more.
+inline constexpr int sweeps_alone = 10;
 /// Where directions are not those of the start, what sweeps change turns pulls, so that corrections wait for
 /// them. After so many, sweeps go on only while they change more than is let be in the end.
 inline constexpr int most_turning_sweeps = 3;
@@ -126,8 +128,8 @@ inline constexpr double rounding = 2;
 inline constexpr std::size_t few_on_ground = 16;
 /// Where these are not found there, up to so many are swept, too.
 inline constexpr std::size_t most_swept_ground = 128;
-/// Steps along the edge of Coulomb's cone are shortened where they would overshoot by more than this share.
-/// Of smaller shares sweeps get rid as fast.
+/// Steps along the edge of Coulomb's cone are shortened where they would overshoot by more than this share,
+/// as sweeps get rid of smaller ones as fast. With momentum all are.
 inline constexpr double most_overshoot = 0.5;
 /// Overlaps that contradict each other, as of two figures in one place, end as far as they agree. Sweeps keep
 /// this share of what pushes them apart, so that one alone ends half as fast. Other shares than one half were

@@ -133,8 +133,8 @@ void ClusterStepper::bounce(double h) {
       continue;
     }
     const double till = is_last ? enough : std::max(enough, rough * left);
-    left = INFINITY;
-    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities<Sweep::pushes>();
+    int sweeps = 0;
+    left = sweep_on<&Row::q>(till, most_sweeps, sweeps);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
@@ -229,12 +229,24 @@ double ClusterStepper::height_of(const Island& island) {
   return std::max(island.state->linkage->size(), high / norm(g));
 }
 
+/// Returns the work (J) of what ends overlaps in the substep, which lifts what lies in something.
+double ClusterStepper::work_of_recovery() const {
+  double sum = 0;
+  for (const Row& row : rows_) sum += row.p * std::max(0.0, -row.gap) / islands_[row.island[0]].kick;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3) {
+      sum += dot(position, contact.normal) * std::max(0.0, -contact.gap) / islands_[i].kick;
+    });
+  return sum;
+}
+
 // Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
 // new velocities still apart, in Island::v.
 //
-// It returns false if more energy was gained than there is motion, so that something was lifted. If no
+// It returns false if more energy was gained than there is motion and than was given to lift things. If no
 // shorter substep is to be tried, all motion stops instead but what is common to what flies.
-bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
+bool ClusterStepper::guard_energy(double before, double given, bool touched, bool can_shorten,
+                                  Tally& report) {
   if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its height
   bool free = count_ == 1 && !touched, driven = false;
@@ -270,7 +282,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   if (square >= 0.25 && square <= 1.5) {
     scale_loose_motion(std::sqrt(square));
   } else if (excess > (free ? let_be * moving : 0)) {
-    const bool lifts = excess > moving + unnoticed * weight;
+    const bool lifts = excess > moving + given + unnoticed * weight;
     if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
     slow_all(excess, moving);
@@ -279,7 +291,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   }
   // In flight it is given back as often as it is taken. What rests gains shares of next to nothing.
   if (excess > 0 && !free) {
-    const bool is_of_contact = touched && excess > gained * moving + unnoticed * weight;
+    const bool is_of_contact = touched && excess > gained * moving + given + unnoticed * weight;
     ++(is_of_contact ? report.guarded_energy : report.trimmed_energy);
   }
   return true;

@@ -17,6 +17,8 @@ std::uint32_t padded(std::size_t batches) {
 }  // namespace
 
 void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
+  last_pushes_.resize(rows_.size());
+  swept_from_.resize(rows_.size());
   if (is_wide_) return find_free_responses();
   for (std::uint32_t i = 0; i < count_; ++i)
     if (Island& each = islands_[i];
@@ -86,7 +88,7 @@ void ClusterStepper::couple(Island& island) {
   island.keeps_responses = batches * unknowns <= most_kept_responses;
   const std::size_t kept = island.keeps_responses ? batches : 1;
   island.coupling.resize(count * batches);
-  island.speed.resize(batches);
+  for (auto* const each : {&island.speed, &island.last_speed, &island.last_push}) each->resize(batches);
   island.push.assign(batches, Lanes{});
   for (std::size_t batch = 0; batch < batches; batch += kept) {
     island.response.assign(kept * unknowns, Lanes{});

@@ -124,7 +124,7 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
-  guard_energy(before, false, false, report);
+  guard_energy(before, 0, false, false, report);
   std::copy_n(island.v.begin(), state.linkage->movable(), state.v.begin());
   state.kept.clear();
   return true;
@@ -261,7 +261,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (touched && surroundings.may_move()) before += work_of_ground(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  if (!guard_energy(before, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
+  const double given = touched ? work_of_recovery() : 0;
+  if (!guard_energy(before, given, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
     take_back();
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     tries_again_ = touched && !tight_;
@@ -296,12 +297,14 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
   report.missed_contacts += gives_up_missed_;
-  report.contact_points = std::max<std::uint64_t>(
-      report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
-                                                  rows_.begin(), rows_.end(), [](const Row& row) {
-                                                    return row.kind == Kind::normal && row.p > 0;
-                                                  })));
+  report.contact_points = std::max(report.contact_points, count_points());
   return true;
+}
+
+/// Returns at how many points something pushes.
+std::uint64_t ClusterStepper::count_points() const {
+  const auto pushes = [](const Row& row) { return row.kind == Kind::normal && row.p > 0; };
+  return count_pushes() + static_cast<std::uint64_t>(std::count_if(rows_.begin(), rows_.end(), pushes));
 }
 
 /// Where islands start, nothing is known of how taut their rods are but by a try. Returns whether positions

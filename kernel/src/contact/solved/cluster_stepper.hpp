@@ -145,6 +145,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void fill_velocities(Island& island);
   bool is_on_ground() const;
   bool any_overlap() const;
+  std::uint64_t count_points() const;
   bool is_landing() const;
   bool any_touch() const;
   bool any_bends() const;
@@ -177,6 +178,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_bounds(Island& island) const;
   void find_sights(Island& island) const;
   double work_of_ground(double h) const;
+  double work_of_recovery() const;
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
   void touch_anchored(std::uint32_t i, double h);
@@ -249,6 +251,10 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double sweep_positions();
   template <Sweep sweep>
   double sweep_velocities();
+  template <double Row::*of>
+  void go_on(double share);
+  template <double Row::*of>
+  double sweep_on(double till, int most, int& sweeps);
   bool is_wide() const;
   /// Returns whether contacts are so many that some come and go in each correction, and disturb constraints.
   bool is_crowded() const { return is_wide_ || rows_.size() > contact_limits::few_rows; }
@@ -277,8 +283,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
-  /// `before` (J) is the energy before the substep, and what moving ground has added since.
-  bool guard_energy(double before, bool touched, bool can_shorten, Tally& report);
+  /// `before` (J) is the energy before the substep, and what moving ground has added since. `given` (J) is
+  /// what may have lifted things without motion.
+  bool guard_energy(double before, double given, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double elastic_energy() const;
   double weight() const;
@@ -349,6 +356,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool found_crowd_ = false;                   ///< and does
   bool is_fitted_ = false;                     ///< rods were brought to their lengths in this step
   bool is_buckled_ = false, buckles_ = false;  ///< rods were nudged aside in this step, or are to be
+  bool has_momentum_ = false;                  ///< sweeps go on the way they went
   double kept_of_overlaps_ = 1;                ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip

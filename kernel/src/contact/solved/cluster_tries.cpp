@@ -350,7 +350,7 @@ void ClusterStepper::hold_energy(Tally& report) {
     island.v = state.v;
     island.theta = 0;
   }
-  guard_energy(before, true, false, report);
+  guard_energy(before, 0, true, false, report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
 }

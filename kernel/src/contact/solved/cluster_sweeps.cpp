@@ -1,0 +1,289 @@
+// This file sweeps the contacts of a cluster, each by what the others have pushed until then.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+void ClusterStepper::see(Island& island, std::span<const Vec3> motion) {
+  double* const speed = island.speed.front().of;
+  Vec3 a{}, b{};
+  Sum of_a{}, of_b{};
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const Side& side = island.sides[s];
+    // Rows of a contact share sums of particles, which are computed once.
+    if (side.a != of_a) a = island.of(of_a = side.a, motion);
+    if (side.b != of_b) b = island.of(of_b = side.b, motion);
+    speed[s] = dot(side.along_a, a) + dot(side.along_b, b);
+  }
+}
+
+double ClusterStepper::see(const Row& row) {
+  if (is_wide_) return see_freely(row);
+  double out = row.end[0].speed[row.end[0].side];
+  if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
+  return out;
+}
+
+template <double ClusterStepper::Row::*of>
+double ClusterStepper::slide(const Row& row) {
+  return see(row) - (of == &Row::p ? row.given : row.given_at_end);
+}
+
+/// Returns whether no push parts a contact that stays closed, since rods hold it along the normal.
+bool ClusterStepper::is_held_in_ground(const Row& row) {
+  return row.kind == Kind::normal && row.over == 0 && row.gap + slide<&Row::p>(row) < -settings_.tolerance;
+}
+
+void ClusterStepper::push(const Row& row, double by) {
+  if (by == 0) return;
+  if (is_wide_) return push_freely(row, by);
+  for (std::uint32_t i = 0; i < row.ends; ++i) {
+    const End& end = row.end[i];
+    kernels_->add_three(end.speed, {by, end.coupling}, {0, end.coupling}, {0, end.coupling}, end.padded);
+    end.push[end.side] += by;
+  }
+}
+
+void ClusterStepper::push(const Row& first, double by0, double by1, double by2) {
+  if (is_wide_) return push_freely(first, by0, by1, by2);
+  for (std::uint32_t i = 0; i < first.ends; ++i) {
+    const End& end = first.end[i];
+    kernels_->add_three(end.speed, {by0, end.coupling}, {by1, end.coupling + end.padded},
+                        {by2, end.coupling + 2 * end.padded}, end.padded);
+    end.push[end.side] += by0;
+    end.push[end.side + 1] += by1;
+    end.push[end.side + 2] += by2;
+  }
+}
+
+/// Starts with the pushes of the last substep, the three rows of a contact at once. New contacts start with
+/// nothing.
+void ClusterStepper::push_held() {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    if (row.kind != Kind::normal) {
+      push(row, row.p);
+      continue;
+    }
+    if (row.held) push(row, row.p, rows_[r + 1].p, rows_[r + 2].p);
+    r += 2;
+  }
+}
+
+namespace {
+
+/// Scales (a, b) down to the length `most` if it is longer.
+void into_disk(double& a, double& b, double most) {
+  const double square = a * a + b * b;
+  if (square <= most * most) return;
+  const double by = most / std::sqrt(square);
+  a *= by;
+  b *= by;
+}
+
+}  // namespace
+
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::set(Row& row, double value) {
+  const double by = value - row.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    row.*of = value;
+    push(row, by);
+  }
+  return std::abs(by) * row.own;
+}
+
+/// Sets the normal push of the contact whose rows start at `r`, and the pushes against sliding, to what the
+/// normal row asks for alone, or to a part of the way. `kept` is the share of all that stays.
+///
+/// What slides is pushed along the edge of Coulomb's cone: more normal push brings more friction. Where that
+/// moves the place by e along the normal for each that the normal push does, a whole step overshoots by e.
+/// Beyond 1 steps go back and forth for ever, and with momentum beyond a third.
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::contact(std::size_t r, double normal, double kept) {
+  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
+  double by0 = normal - n.*of;
+  // The normal push also moves the other two rows. What does not depend on it is computed first, so that the
+  // processor need not wait.
+  const double first_alone = s.*of - s.over * slide<of>(s), second_alone = t.*of - t.over * slide<of>(t);
+  const double square = first_alone * first_alone + second_alone * second_alone;
+  const double most_now = n.bound * n.*of;
+  if (square > most_now * most_now) {
+    const double along = n.across[0] * s.own * first_alone + n.across[1] * t.own * second_alone;
+    const double overshoot = n.bound * along / std::sqrt(square);
+    if (overshoot > (has_momentum_ ? 0 : most_overshoot) * n.own) {
+      by0 *= n.own / (n.own + overshoot);
+      normal = n.*of + by0;
+    }
+  }
+  double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
+  into_disk(first, second, n.bound * normal);
+  const double by1 = first - s.*of, by2 = second - t.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    n.*of = normal;
+    s.*of = first;
+    t.*of = second;
+    push(n, by0, by1, by2);
+  }
+  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
+}
+
+/// Sets the two pushes against rolling whose rows start at `r`, no longer together than `most`.
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::roll(std::size_t r, double most) {
+  Row &s = rows_[r], &t = rows_[r + 1];
+  double first = s.*of - s.over * see(s), second = t.*of - t.over * see(t);
+  into_disk(first, second, most);
+  const double worst = set<of, sweep>(s, first);
+  return std::max(worst, set<of, sweep>(t, second));
+}
+
+// A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
+// Both sweeps return the largest change that they made, or would have made. Its unit is m or rad for
+// positions, and m/s or rad/s for velocities.
+template <ClusterStepper::Sweep sweep>
+double ClusterStepper::sweep_positions() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const double u = slide<&Row::p>(row);
+    double p = 0;
+    switch (row.kind) {
+      case Kind::normal: {
+        const double kept = row.gap < 0 ? kept_of_overlaps_ : 1;
+        const double normal = kept * std::max(0.0, row.p - row.over * row.gap - row.over * u);
+        if (normal > 0 || row.p != 0) worst = std::max(worst, contact<&Row::p, sweep>(r, normal, kept));
+        r += 2;
+        continue;
+      }
+      case Kind::sliding:
+        continue;
+      case Kind::rolling:
+        worst = std::max(worst, roll<&Row::p, sweep>(r++, row.bound * rows_[row.normal].p));
+        continue;
+      case Kind::spinning: {
+        const double most = row.bound * rows_[row.normal].p;
+        p = std::clamp(row.p - row.over * u, -most, most);
+        break;
+      }
+      case Kind::limit:
+        p = (row.gap < 0 ? kept_of_overlaps_ : 1) * std::max(0.0, row.p - row.over * (u + row.gap));
+        break;
+      case Kind::brake:
+        p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
+        break;
+    }
+    worst = std::max(worst, set<&Row::p, sweep>(row, p));
+  }
+  return worst;
+}
+
+template <ClusterStepper::Sweep sweep>
+double ClusterStepper::sweep_velocities() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    double q = 0;
+    switch (row.kind) {
+      case Kind::normal:
+        if (row.p > 0) {
+          const double normal = std::max(0.0, row.q - row.over * (slide<&Row::q>(row) - row.bounce));
+          worst = std::max(worst, contact<&Row::q, sweep>(r, normal, 1));
+        }
+        r += 2;
+        continue;
+      case Kind::sliding:
+        continue;
+      case Kind::rolling:
+        worst = std::max(worst, roll<&Row::q, sweep>(r++, row.bound * rows_[row.normal].q));
+        continue;
+      case Kind::spinning: {
+        const double most = row.bound * rows_[row.normal].q;
+        q = std::clamp(row.q - row.over * see(row), -most, most);
+        break;
+      }
+      case Kind::limit:
+        if (row.p <= 0) continue;
+        q = std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+        break;
+      case Kind::brake:
+        q = std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce);
+        break;
+    }
+    worst = std::max(worst, set<&Row::q, sweep>(row, q));
+  }
+  return worst;
+}
+
+template double ClusterStepper::sweep_positions<ClusterStepper::Sweep::looks>();
+template double ClusterStepper::sweep_positions<ClusterStepper::Sweep::pushes>();
+template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
+template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
+
+/// Goes on along the last change of pushes by `share` of it.
+template <double ClusterStepper::Row::*of>
+void ClusterStepper::go_on(double share) {
+  const auto follow = [share](double& value, double& last) {
+    const double now = value;
+    value += share * (now - last);
+    last = now;
+  };
+  for (std::size_t r = 0; r < rows_.size(); ++r) follow(rows_[r].*of, last_pushes_[r]);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    for (std::size_t k = 0; k < island.batches(); ++k)
+      for (std::size_t lane = 0; lane < simd::kkt_lanes; ++lane) {
+        follow(island.speed[k].of[lane], island.last_speed[k].of[lane]);
+        follow(island.push[k].of[lane], island.last_push[k].of[lane]);
+      }
+  }
+}
+
+/// Sweeps until a sweep changes no more than `till` (m or m/s), or `most` times, and adds to `sweeps`.
+/// Returns the last change.
+///
+/// Sweeps alone carry a push through a pile in about the square of as many as it has layers. From the first
+/// few on they go on the way they went, by Nesterov's momentum (Soviet Mathematics Doklady 27, 1983, 372),
+/// which begins anew where they turn back (O'Donoghue and Candès 2015).
+template <double ClusterStepper::Row::*of>
+double ClusterStepper::sweep_on(double till, int most, int& sweeps) {
+  double left = INFINITY, pace = 1;
+  for (int taken = 0; taken < most && left > till; ++taken, ++sweeps) {
+    has_momentum_ = taken >= sweeps_alone;
+    if (taken == sweeps_alone) {
+      for (std::size_t r = 0; r < rows_.size(); ++r) last_pushes_[r] = rows_[r].*of;
+      for (std::uint32_t i = 0; i < count_; ++i) {
+        islands_[i].last_speed = islands_[i].speed;
+        islands_[i].last_push = islands_[i].push;
+      }
+    } else if (has_momentum_) {
+      const double next = 0.5 * (1 + std::sqrt(1 + 4 * pace * pace));
+      go_on<of>((pace - 1) / next);
+      pace = next;
+    }
+    for (std::size_t r = 0; has_momentum_ && r < rows_.size(); ++r) swept_from_[r] = rows_[r].*of;
+    if constexpr (of == &Row::p)
+      left = sweep_positions<Sweep::pushes>();
+    else
+      left = sweep_velocities<Sweep::pushes>();
+    double back = 0;  // whether pushes turn back from where they were going
+    for (std::size_t r = 0; has_momentum_ && r < rows_.size(); ++r) {
+      const double moved = rows_[r].*of - last_pushes_[r];
+      back += rows_[r].own * (swept_from_[r] - rows_[r].*of) * moved;
+      left = std::max(left, rows_[r].own * std::abs(moved));
+    }
+    if (back > 0) pace = 1;
+  }
+  has_momentum_ = false;
+  return left;
+}
+
+template double ClusterStepper::sweep_on<&ClusterStepper::Row::p>(double, int, int&);
+template double ClusterStepper::sweep_on<&ClusterStepper::Row::q>(double, int, int&);
+
+}  // namespace plumb::detail
