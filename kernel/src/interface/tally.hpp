@@ -18,7 +18,7 @@ struct Tally : StepReport {
   std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< bound of work()
   /// What is left takes fewer substeps when it is later than this.
   std::optional<std::chrono::steady_clock::time_point> deadline{};
-  /// Work is spent then, too. That is so where tries are taken back. Elsewhere to give up takes longer, often.
+  /// Work is spent then, too, as where tries are taken back. Elsewhere to give up often takes longer.
   bool gives_up_late = false;
   std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out
   bool was_late = false;         ///< Somebody asked after the deadline, and cut short what was left.
