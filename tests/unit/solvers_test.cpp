@@ -198,6 +198,20 @@ TEST(Tally, CountsTheWorkOfWhatIsTakenBack) {
   EXPECT_TRUE(tally.is_spent());
 }
 
+// What is late has not spent its work, unless it is a try that will be taken back anyway.
+TEST(Tally, IsSpentWhenLateOnlyInTries) {
+  Tally tally;
+  tally.deadline = std::chrono::steady_clock::time_point{};
+  EXPECT_FALSE(tally.is_spent());
+  EXPECT_FALSE(tally.was_late);
+  tally.gives_up_late = true;
+  Tally tried = tally.begin_try();
+  EXPECT_TRUE(tried.is_spent());
+  EXPECT_FALSE(tried.has_spent_work());
+  tally.take_back(tried);
+  EXPECT_TRUE(tally.was_late);
+}
+
 // FNV-1a as published: of the empty string, and of the bytes of "a" followed by zeros, in long arithmetic.
 TEST(StateHash, IsFnv1aOfTheBytes) {
   const std::uint64_t empty = StateHash().value();

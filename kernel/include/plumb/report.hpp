@@ -99,13 +99,14 @@ struct StepReport {
   /// better. Islands and adaptive_implicit_euler count here.
   std::uint64_t inaccurate_steps = 0;
   /// Counts steps of islands, or of islands side by side, that spent Settings::most_work, or half of it in
-  /// tries for an accuracy. They ended with the substeps that are asked for by number.
+  /// tries for an accuracy, and those that a budget cut short. They ended with the substeps that are asked
+  /// for by number, or with fewer.
   std::uint64_t capped_steps = 0;
 
   // The next two members are known where World::set_budget() gave one.
   double step_us = 0;  ///< Wall time of the step, in microseconds.
-  /// Wall time that all substeps would have taken which were asked for by number, as far as those tell that
-  /// were taken. With an accuracy it is that of the step.
+  /// Wall time that all substeps would have taken which were asked for by number, as far as steps of other
+  /// numbers of them tell. With an accuracy it is that of the step.
   double asked_us = 0;
 
   std::uint64_t broken_rods = 0;  ///< Rods that pulled more than their strength and broke.

@@ -58,10 +58,12 @@ class PLUMB_API World {
   /// finite, and in a world that began without one.
   void set_accuracy(double accuracy);
   /// Fits steps into so much wall time from the next one on, or lets them take what they need, if none is
-  /// given. Motion then depends on the clock. The first step guesses by its rods. Equal substeps become
-  /// fewer, at least 1, and an island that is not swept takes what is left of a late step as one. With an
-  /// accuracy, tries end when what is left suffices for substeps by number. StepReport::capped_steps counts
-  /// islands that were less accurate than asked. Throws InputError on a time that is not positive and finite.
+  /// given. Motion then depends on the clock. The first step guesses by its rods. Equal substeps become fewer
+  /// where that makes steps shorter, at least 1. An island that is not swept takes what is left of a late
+  /// step in one, or as few as do not make it dearer. With an accuracy, tries end when what is left suffices
+  /// for substeps by number. StepReport::capped_steps counts islands that were less accurate than asked, and
+  /// step_us tells whether the time was kept: where nothing is cheaper, it is not. Throws InputError on a
+  /// time that is not positive and finite.
   void set_budget(std::optional<double> microseconds);
 
   /// Takes other settings from the next step on. Positions, velocities, forces, time, orders, handles, grabs

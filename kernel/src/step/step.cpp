@@ -116,7 +116,7 @@ StepReport Step::run(double dt) {
     (this->*stage.run)(report);
     if (zones_) zones_(stage.name, false);
   }
-  budget_.end_step(rules_.substeps, settings_.substeps, rules_.error_growth.has_value(), report);
+  budget_.end_step(rules_.substeps, rules_.error_growth.has_value(), report);
   has_broken_ = report.broken_rods > 0;
   return report;
 }

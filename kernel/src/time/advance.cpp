@@ -120,6 +120,7 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
   if (is_controlled || !solver.sweeps()) {
     tally.most_work = rules.most_work * solver.islands(piece);
     tally.deadline = rules.deadline;
+    tally.gives_up_late = is_controlled;
   }
   if (is_controlled)
     ControlledPiece(solver, piece, part).step(dt, rules, tally);

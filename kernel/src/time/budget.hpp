@@ -1,19 +1,20 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
 
 #include "plumb/report.hpp"
+#include "time/substep_costs.hpp"
 
 namespace plumb::detail {
 
 /// Fits steps into a wall time, by what the last ones took. What it decides depends on the clock.
 ///
-/// Equal substeps become fewer, and those of what is late become one. Under the control of an accuracy tries
-/// end early enough that the substeps which are asked for by number fit as well.
+/// Equal substeps become fewer where that is cheaper (SubstepCosts), and those of what is late become one.
+/// Under the control of an accuracy tries end early enough that the substeps which are asked for by number
+/// fit as well.
 class Budget {
  public:
   using Clock = std::chrono::steady_clock;
@@ -31,9 +32,7 @@ class Budget {
   std::uint32_t begin_step(std::uint32_t asked, double guess) {
     if (!us_) return asked;
     begin_ = Clock::now();
-    const double cost = count_ == 0 ? guess : second_largest();
-    if (cost * asked <= safe_share * *us_) return asked;
-    return std::max(1u, static_cast<std::uint32_t>(safe_share * *us_ / cost));
+    return costs_.fit(asked, safe_share * *us_, guess);
   }
   /// Returns when what is tried or cut in this step has to end, and what is left takes fewer substeps.
   Time deadline(bool is_controlled) const {
@@ -41,17 +40,17 @@ class Budget {
     const double us = std::min(is_controlled ? *us_ - reserve_ : late_share * *us_, most_us);
     return begin_ + std::chrono::duration_cast<Clock::duration>(Micro(us));
   }
-  /// Ends a step that took so many substeps where `asked` was asked for, and reports what it took.
-  void end_step(std::uint32_t taken, std::uint32_t asked, bool is_controlled, StepReport& report) {
+  /// Ends a step that took so many substeps, and reports what it took.
+  void end_step(std::uint32_t taken, bool is_controlled, StepReport& report) {
     if (!us_) return;
     const double us = Micro(Clock::now() - begin_).count();
     report.step_us = us;
-    report.asked_us = is_controlled ? us : us / taken * asked;
+    report.asked_us = is_controlled ? us : us / costs_.relative(taken);
     if (is_controlled)
       reserve_ = std::min(
           *us_, std::max({least_reserve * *us_, 0.99 * reserve_, margin * (us - (*us_ - reserve_))}));
     else
-      costs_[count_ % costs_.size()] = us / taken;
+      costs_.took(taken, us, report.capped_steps > 0);
     ++count_;
   }
 
@@ -62,19 +61,10 @@ class Budget {
   // They leave room for what a step takes beyond the last ones. bench/README.md has how many are late.
   static constexpr double safe_share = 0.7, late_share = 0.8, margin = 1.2, least_reserve = 0.05;
 
-  /// Leaves out the largest, since one step may be long because the machine did something else, if there are
-  /// two.
-  double second_largest() const {
-    auto sorted = costs_;
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count_, sorted.size()));
-    std::sort(sorted.begin(), end);
-    return count_ == 1 ? sorted.front() : *(end - 2);
-  }
-
   std::optional<double> us_;
   Clock::time_point begin_;
-  double reserve_ = 0;             ///< us at the end of a step in which nothing is tried any more
-  std::array<double, 4> costs_{};  ///< us a substep, of the last steps
+  double reserve_ = 0;  ///< us at the end of a step in which nothing is tried any more
+  SubstepCosts costs_;
   std::size_t count_ = 0;
 };
 

@@ -30,6 +30,12 @@ constexpr std::uint32_t least_sweeps = 10;
 /// They go on after so many at once: to go on takes a fifth of a sweep.
 constexpr std::uint32_t sweeps_together = 2;
 
+/// Returns in how many substeps of at most `longest` a time is taken, from 1 to `most`.
+std::uint32_t substeps_of(double time, double longest, std::uint32_t most) {
+  const double wanted = std::ceil(time / longest);
+  return wanted < most ? std::max(1u, static_cast<std::uint32_t>(wanted)) : most;
+}
+
 }  // namespace
 
 template <class T>
@@ -46,22 +52,40 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   }
   ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
-  const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps), substeps = rules.substeps * cuts;
+  const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps);
+  std::uint32_t substeps = rules.substeps * cuts;
   is_hit_ = cuts > 1 || (contacts_.has_hulls() && is_crushed());
   most_sweeps_ =
       rules_.step_sweeps == 0 ? rules_.stop.sweeps : std::max(least_sweeps, rules_.step_sweeps / substeps);
-  const double h = dt / substeps;
+  const bool may_be_late = report.deadline && cuts == 1;  // what was cut is so that hulls are not crushed
+  const double unhurried = may_be_late ? unhurried_substep(cluster) : 0;
+  double h = dt / substeps, begin = 0;
   for (std::uint32_t i = 0; i < substeps; ++i) {
-    if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
-    // What is late takes what is left at once, unless it was cut so that hulls are not crushed.
-    const bool is_last = i + 1 == substeps || (cuts == 1 && report.is_late());
-    const double left = dt - i * h;
-    advance(cluster, surroundings, {start + i * h, i + 1 < substeps && is_last ? left : h, left},
-            most_struck_cuts, report);
-    if (is_last) break;
+    if (const std::uint32_t fewer = substeps_of(dt - (begin + i * h), unhurried, substeps - i);
+        may_be_late && fewer < substeps - i && report.is_late()) {
+      begin += i * h;
+      h = (dt - begin) / fewer;
+      substeps = fewer;
+      i = 0;
+    }
+    const double done = begin + i * h;
+    if (done > 0 && surroundings.any_moves()) ground_.find(surroundings, start + done);
+    advance(cluster, surroundings, {start + done, h, dt - done}, most_struck_cuts, report);
   }
   contacts_.keep(cluster, crowd_);
   scatter(cluster);
+}
+
+/// Returns how long a substep (s) may be so that nothing gets far in it for how thick it is. Longer ones are
+/// swept on and halved, which takes more time than they save.
+template <class T>
+double RelaxedStepper<T>::unhurried_substep(std::span<LinkageState* const> cluster) const {
+  double fastest = 0, thinnest = INFINITY;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    if (crowd_.is_moving(i)) fastest = std::max(fastest, top_speed(*cluster[i]));
+    thinnest = std::min(thinnest, cluster[i]->linkage->thinness());
+  }
+  return contact_limits::most_approach * thinnest / fastest;
 }
 
 /// Moves a cluster through a time, in halves if a blow would tear it or let something pass, down to so many

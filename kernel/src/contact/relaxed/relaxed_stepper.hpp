@@ -49,6 +49,7 @@ class RelaxedStepper final : public ClusterMover {
   };
   void advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                std::uint32_t cuts, Tally& report);
+  double unhurried_substep(std::span<LinkageState* const> cluster) const;
   void follow_lengths(std::span<LinkageState* const> cluster, double t);
   void count_pulls(std::span<LinkageState* const> cluster, Gradient gradient, double h);
   bool substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,

@@ -69,11 +69,12 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   for (LinkageState* const state : cluster) state->elapsed += dt;
   double likely = dt;  // a substep of this length is likely to be solved
   while (left > 1e-12 * dt) {
-    // What is late takes what is left at once.
-    const double usual = substeps > 1 && report.is_late() ? left : dt / substeps;
-    const double least = report.is_spent() ? usual : dt / most_cuts;
     const double in_flight = rules.is_watched ? most_turn_if_watched : most_turn_in_flight;
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
+    // What is late takes what is left at once, as far as it need not be cut: to try more takes more time.
+    double usual = dt / substeps;
+    if (usual < std::min(cut, left) && report.is_late()) usual = left;
+    const double least = report.has_spent_work() ? usual : dt / most_cuts;
     const double longest = std::max(std::min(usual, cut), least);
     double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
     now_ = start + dt - left;

@@ -95,7 +95,9 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
     if (gradient != gradient_) ++counters.fallbacks;
     return true;
   }
-  if (depth == attempts.halvings || counters.is_spent() || counters.newton >= attempts.most_newton)
+  // Rods that give take a wide island longer than its halves, and others shorter.
+  const bool is_late = !work.is_wide() && counters.is_late();
+  if (depth == attempts.halvings || is_late || counters.is_spent() || counters.newton >= attempts.most_newton)
     return false;
   if (depth == probed_depth && !attempts.probed && !state.topology->any()) {
     attempts.probed = true;
