@@ -242,6 +242,31 @@ TEST(UprightRopes, FallOverAndLieDown) {
     }
 }
 
+// They do not fold in one plane, where arches on what sticks would swing on for ever: what lies flat is no
+// higher than its radius, and sleeps. Friction ends all sliding.
+TEST(UprightRopes, LieFlatAndSleep) {
+  for (const std::uint32_t links : {10u, 20u, 40u})
+    for (const double thick : {0.005, 0.02})
+      for (const double gap : {0.0, 0.3}) {
+        SCOPED_TRACE(std::to_string(links) + " rods, " + std::to_string(thick) + ", " + std::to_string(gap));
+        const Surface surface{.friction = 0.5};
+        Scene scene;
+        scene.planes.push_back({.surface = surface});
+        for (std::uint32_t i = 0; i <= links; ++i) {
+          scene.particles.push_back({.position = {0, thick + gap + 0.05 * i, 0}, .mass = 0.02});
+          if (i == 0) continue;
+          scene.rods.push_back({.a = i - 1, .b = i});
+          scene.capsules.push_back(
+              {.a = point_at(i - 1), .b = point_at(i), .radius = thick, .surface = surface});
+        }
+        World world(scene, {.threads = 1});
+        int steps = 1;
+        while (world.step(frame).awake_islands > 0 && steps < 600) ++steps;
+        EXPECT_LT(steps * frame, 3);
+        for (std::uint32_t i = 0; i <= links; ++i) EXPECT_LE(world.position(i).y, 1.1 * thick) << i;
+      }
+}
+
 // The lengths of relaxed rods are those to where anchors have gone in the step, not to where they were: an
 // accuracy of 1 % in length would be a millimetre here, and the anchor moves by 33 mm in a step.
 TEST(LoweredRopes, KeepTheirLengthsWhereTheyAreRelaxed) {

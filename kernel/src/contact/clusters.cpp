@@ -155,9 +155,12 @@ void Clusters::join_near() {
   }
 }
 
+/// Puts an island to sleep, which stands from then on: its velocities were slow, but not nothing.
 void Clusters::put_to_sleep(LinkageState& state) {
   state.asleep = true;
   state.slow_time = 0;
+  std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
+  state.energy.reset();
   if (!state.linkage->has_shapes()) return;
   bounds_[state.number] = reach(state, top_speed(state), 0, margin_);
   sleepers_.insert(state.number, bounds_[state.number]);

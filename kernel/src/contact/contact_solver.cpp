@@ -207,10 +207,11 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
     if (state->asleep) continue;
     // What sweeps leave makes a particle here or there jump, though its island rests.
     const double speed = relaxes_ || state->is_relaxed ? mean_speed(*state) : top_speed(*state);
-    state->slow_time = speed < settings_.sleep_speed ? state->slow_time + dt : 0;
+    const bool is_slow = speed < settings_.sleep_speed && !state->is_pushed_out;
+    state->slow_time = is_slow ? state->slow_time + dt : 0;
     const bool is_grabbed = state->linkage->first_grab() < state->linkage->elastics().size();
     held = held || state->linkage->is_grounded() || is_grabbed || !state->kept.empty();
-    slow = slow && state->slow_time >= sleep_time_ && !is_carried(*state);
+    slow = slow && is_slow && state->slow_time >= sleep_time_ && !is_carried(*state);
   }
   return slow && held;
 }

@@ -297,6 +297,23 @@ bool ClusterStepper::guard_energy(double before, double given, bool touched, boo
   return true;
 }
 
+/// Takes back what a relaxed step has gained above the energy of before_: to bring rods to their lengths
+/// turns strain into motion.
+void ClusterStepper::hold_energy(Tally& report) {
+  double before = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    before += state.linkage->kinetic(before_[i].v) + state.linkage->potential(before_[i].x, state.force);
+    island.v = state.v;
+    island.theta = 0;
+  }
+  guard_energy(before, 0, true, false, report);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
+}
+
 void ClusterStepper::keep_contacts(double h) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->kept.clear();
   for (std::size_t r = 0; r < rows_.size(); ++r) {
@@ -318,6 +335,33 @@ void ClusterStepper::keep_contacts(double h) {
       state.kept.push_back({contact.key, (1 / (h * h)) * position, (2 / h) * end});
     });
   }
+  find_pushed_out(h);
+}
+
+/// Notes which islands are pushed out of what they overlap. That is no part of their velocities, which may be
+/// nothing meanwhile. What is squeezed from both sides is pushed and goes nowhere, so it does not count.
+void ClusterStepper::find_pushed_out(double h) {
+  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->is_pushed_out = false;
+  const double enough = -std::min(1.0, h * recovery_rate_) * std::max(settings_.slop, settings_.tolerance);
+  const auto opens = [](double gap, double moved) { return moved > -0.5 * gap; };
+  for (const Row& row : rows_) {
+    if (row.kind != Kind::normal || row.p <= 0 || row.gap >= enough) continue;
+    double moved = -row.given;
+    for (std::uint32_t k = 0; k < row.ends; ++k) {
+      const Island& island = islands_[row.island[k]];
+      const Side& side = island.sides[row.side[k]];
+      moved +=
+          dot(side.along_a, island.of(side.a, island.d)) + dot(side.along_b, island.of(side.b, island.d));
+    }
+    for (std::uint32_t k = 0; k < row.ends && opens(row.gap, moved); ++k)
+      islands_[row.island[k]].state->is_pushed_out = true;
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3, Vec3) {
+      const Vec3 by = contact.at.of(islands_[i].d) - contact.carried;
+      if (contact.gap < enough && opens(contact.gap, dot(contact.normal, by)))
+        islands_[i].state->is_pushed_out = true;
+    });
 }
 
 /// Finds the change of a position that no longer matters in a substep of h (s). What sweeps leave of things

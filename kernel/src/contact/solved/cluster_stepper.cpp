@@ -56,7 +56,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].ground.clear();
   }
   rows_.clear();  // Those of another cluster, or of another step, are none of this one's.
-  for (LinkageState* const state : cluster) state->is_relaxed = false;
+  for (LinkageState* const state : cluster) state->is_relaxed = state->is_pushed_out = false;
   now_ = cluster.front()->elapsed;
   if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;

@@ -101,6 +101,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
+  bool have_sunk();
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
@@ -144,7 +145,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_velocities_on_ground(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
-  bool any_overlap() const;
+  bool try_otherwise(Tally& report);
   std::uint64_t count_points() const;
   bool is_landing() const;
   bool any_touch() const;
@@ -306,6 +307,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void stop();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
+  void find_pushed_out(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);
   /// Breaks rods that pulled too much in the substep that has ended. Returns how many.
   static std::uint32_t break_rods(Island& island, double h);
@@ -349,6 +351,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<MissedGround> missed_ground_;
   std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
+  bool may_sink_ = true;          ///< what is relaxed may end deeper in ground than it was
+  bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to

@@ -12,6 +12,21 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
+namespace {
+
+bool has_loops(const Linkage& linkage) {
+  return linkage.rods() > linkage.particles();
+}
+
+/// Returns whether a cluster is one line of rods. Alone it is no crowd, however often it cannot be solved.
+bool is_line(std::span<LinkageState* const> cluster) {
+  constexpr std::uint32_t of_line = 2;  // colours of rods, where none has two at an end
+  const Linkage& linkage = *cluster.front()->linkage;
+  return cluster.size() == 1 && linkage.rods() < linkage.particles() && linkage.colored().colors() <= of_line;
+}
+
+}  // namespace
+
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, with
 /// overlaps that yield to each other, halved twice, with a loose grip, relaxed, and then halved on. Returns
 /// its length. It is 0 if nothing was found: what cannot be solved stays where it is, and keeps what motion
@@ -19,12 +34,14 @@ using namespace contact_limits;
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = sweeps_ground_ = takes_end_ = false;
+  loose_ = sweeps_ground_ = takes_end_ = sinks_ = false;
   kept_of_overlaps_ = 1;
   bool was_loose = false;
+  const bool is_lone = is_line(cluster);
   double halved = h;
   while (!substep(surroundings, h, report)) {
     if (found_crowd_) {
+      may_sink_ = true;
       if (relax(cluster, surroundings, 1, h, report)) return h;
       looks_for_crowd_ = false;
       continue;
@@ -45,21 +62,16 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     if (std::exchange(loose_, false)) h = halved;
     h /= 2;
     ++report.halvings;
+    // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
+    may_sink_ = !is_lone || h < least_sunk * whole;
+    const double relaxed = sinks_ ? h : whole;
     if (h < few_cuts * whole && overload_.state == nullptr && any_touch() && !any_bends() &&
-        relax(cluster, surroundings, 1, whole, report)) {
+        relax(cluster, surroundings, 1, relaxed, report)) {
       ++report.fallbacks;
-      for (LinkageState* const state : cluster) state->relax_for = patience;
-      return whole;
+      for (LinkageState* const state : cluster) state->relax_for = is_lone ? 0 : patience;
+      return relaxed;
     }
-    // Pushes that go round in a circle in the matrix are found one after the other.
-    if (h < few_cuts * whole && !sweeps_ground_ && is_on_ground()) {
-      sweeps_ground_ = true;
-      h = whole;
-      continue;
-    }
-    if (h < few_cuts * whole && is_unfound_ && kept_of_overlaps_ == 1 && any_overlap()) {
-      kept_of_overlaps_ = yielding;
-      ++report.fallbacks;
+    if (h < few_cuts * whole && try_otherwise(report)) {
       h = whole;
       continue;
     }
@@ -72,6 +84,18 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     h = whole;
   }
   return h;
+}
+
+/// Changes how what halving did not help is solved, if there is another way. Returns whether there is.
+bool ClusterStepper::try_otherwise(Tally& report) {
+  // Pushes that go round in a circle in the matrix are found one after the other.
+  if (!sweeps_ground_ && is_on_ground()) return sweeps_ground_ = true;
+  const bool any_overlap =
+      std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.gap < 0; });
+  if (!is_unfound_ || kept_of_overlaps_ < 1 || !any_overlap) return false;
+  kept_of_overlaps_ = yielding;
+  ++report.fallbacks;
+  return true;
 }
 
 /// Takes all motion but what is common to all that is awake: what flies keeps its momentum.
@@ -94,11 +118,6 @@ bool ClusterStepper::any_bends() const {
                      [](const Island& each) { return !each.state->linkage->bends().empty(); });
 }
 
-/// Returns whether a contact or a limit takes an overlap back.
-bool ClusterStepper::any_overlap() const {
-  return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.gap < 0; });
-}
-
 /// Returns whether most of what touches ground did not do so a substep ago.
 bool ClusterStepper::is_landing() const {
   std::size_t all = 0, held = 0;
@@ -115,14 +134,6 @@ bool ClusterStepper::any_touch() const {
   return is_on_ground() ||
          std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.kind == Kind::normal; });
 }
-
-namespace {
-
-bool has_loops(const Linkage& linkage) {
-  return linkage.rods() > linkage.particles();
-}
-
-}  // namespace
 
 /// Returns whether islands touch each other, or what has loops touches anything, in many places, or could not
 /// be solved of late.
@@ -143,6 +154,7 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   const bool relaxes = is_crowd(cluster);
   looks_for_crowd_ = !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
+  may_sink_ = true;
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
@@ -171,38 +183,6 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
   const double wanted = std::ceil(dt * fastest / (most_approach * thinnest));
   return static_cast<std::uint32_t>(
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
-}
-
-/// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
-/// held out of it. Returns whether it is.
-bool ClusterStepper::find_depths(std::uint32_t i) {
-  Island& island = islands_[i];
-  const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
-  const std::size_t terms = island.terms.size();
-  island.d.assign(island.state->x.size(), Vec3{});
-  island.v = island.state->v;
-  island.ground.clear();
-  missed_ground_.clear();
-  find_bounds(island);
-  touch_planes(i, h);
-  touch_ground(i, h);
-  touch_boxes(i, h);
-  touch_anchored(i, h);
-  recovery_rate_ = rate;
-  left_out_.clear();
-  island.terms.resize(terms);
-  bool is_deeper = false;
-  deepest_ = 0;
-  island.ground.for_all([&](const GroundContact& contact) {
-    deepest_ = std::max(deepest_, -contact.gap);
-    const double now = dot(contact.normal, contact.at.of(island.state->x));
-    const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
-    if (least <= now + settings_.slop) return;
-    projection_.holds.push_back({contact.at, contact.normal, least});
-    is_deeper = true;
-  });
-  island.ground.clear();
-  return is_deeper;
 }
 
 /// Brings the rods of an island to their lengths from where it is, which may leave a violation of `most`, and
@@ -317,8 +297,10 @@ void ClusterStepper::unbalance() {
     const bool is_tree = linkage.rods() > 1 && linkage.rods() == linkage.constraints() &&
                          linkage.rods() + 1 == linkage.movable() && state.laws.empty();
     if (!is_tree || row.own > (1 + balanced) / linkage.mass() + island.held) continue;
-    const Vec3 aside = faint * linkage.size() * across(row.along).front();
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += k % 2 == 0 ? aside : -1 * aside;
+    const auto [aside, aslant] = across(row.along);
+    const double by = faint * linkage.size();
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+      state.x[k] += (k % 2 == 0 ? by : -by) * aside + (k % 4 < 2 ? by : -by) * aslant;
     state.factored = false;
   }
 }
@@ -338,23 +320,6 @@ void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
   }
 }
 
-/// Takes back what a relaxed step has gained above the energy of before_: to bring rods to their lengths
-/// turns strain into motion.
-void ClusterStepper::hold_energy(Tally& report) {
-  double before = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (!island.awake) continue;
-    const LinkageState& state = *island.state;
-    before += state.linkage->kinetic(before_[i].v) + state.linkage->potential(before_[i].x, state.force);
-    island.v = state.v;
-    island.theta = 0;
-  }
-  guard_energy(before, 0, true, false, report);
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
-}
-
 /// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
 /// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
@@ -371,7 +336,10 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   relaxed_->step(cluster, surroundings, rules, dt, tried);
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
-  if (bring_to_lengths(surroundings)) {
+  const bool fits = bring_to_lengths(surroundings);
+  const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk()));
+  sinks_ = sinks_ || sinks;
+  if (fits && !sinks) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
