@@ -239,6 +239,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
+  double holding(const Row& row, double whole, double u) const;
   /// Whether a sweep pushes or only says how far it would.
   enum class Sweep : std::uint8_t { pushes, looks };
   template <double Row::*of, Sweep sweep>

@@ -143,6 +143,13 @@ double ClusterStepper::roll(std::size_t r, double most) {
   return std::max(worst, set<of, sweep>(t, second));
 }
 
+/// Returns what holds a normal or a limit that sees u, if `whole` would end its overlap. One that yields
+/// becomes hardly deeper.
+double ClusterStepper::holding(const Row& row, double whole, double u) const {
+  if (row.gap >= 0 || kept_of_overlaps_ == 1) return std::max(0.0, whole);
+  return std::max({0.0, kept_of_overlaps_ * whole, sinking * (row.p - row.over * u)});
+}
+
 // A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
 // Both sweeps return the largest change that they made, or would have made. Its unit is m or rad for
 // positions, and m/s or rad/s for velocities.
@@ -156,7 +163,7 @@ double ClusterStepper::sweep_positions() {
     switch (row.kind) {
       case Kind::normal: {
         const double kept = row.gap < 0 ? kept_of_overlaps_ : 1;
-        const double normal = kept * std::max(0.0, row.p - row.over * row.gap - row.over * u);
+        const double normal = holding(row, row.p - row.over * row.gap - row.over * u, u);
         if (normal > 0 || row.p != 0) worst = std::max(worst, contact<&Row::p, sweep>(r, normal, kept));
         r += 2;
         continue;
@@ -172,7 +179,7 @@ double ClusterStepper::sweep_positions() {
         break;
       }
       case Kind::limit:
-        p = (row.gap < 0 ? kept_of_overlaps_ : 1) * std::max(0.0, row.p - row.over * (u + row.gap));
+        p = holding(row, row.p - row.over * (u + row.gap), u);
         break;
       case Kind::brake:
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
