@@ -8,6 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "plumb/error.hpp"
 #include "plumb/reference/methods.hpp"
 #include "scenes/runs/machine.hpp"
 
@@ -62,6 +63,8 @@ int main(int argc, char** argv) {
   } catch (const tools::CheckFailed& error) {
     complain(error.what());
     return tools::check_failed;
+  } catch (const UnreadSetting& error) {
+    return complain(tools::option_of(error.setting()) + ": " + error.what());
   } catch (const std::bad_alloc&) {
     return complain("not enough memory for this scene");
   } catch (const std::exception& error) {

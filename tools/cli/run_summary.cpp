@@ -6,6 +6,7 @@
 
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
+#include "scenes/basics/shapeless.hpp"
 #include "scenes/runs/counters.hpp"
 #include "scenes/runs/report.hpp"
 
@@ -53,9 +54,11 @@ void print_counts(const StepReport& total) {
 void print_direct(const RunPlan& plan, const RunResult& result) {
   const Settings& s = plan.settings;
   const WorldInfo& info = result.info;
+  const bool relaxes_crowds = info.relaxed_rods == 0 && result.total.rod_projections > 0;
   print_line(
       "direct",
-      plural(info.direct_rods, "rod") + " solved all at once, gradient " +
+      plural(info.direct_rods, "rod") + " solved all at once, " +
+          (relaxes_crowds ? "relaxed where they touch, " : "") + "gradient " +
           std::string(to_string(info.direct_gradient)) + (info.changes_gradient ? " (mid while calm)" : "") +
           (info.direct_time_order == 2 ? std::string()
                                        : ", time order " + std::to_string(info.direct_time_order)) +
@@ -159,15 +162,22 @@ void print_problems(const std::vector<Problem>& problems) {
 
 }  // namespace
 
+std::string shapeless_text(const Scene& scene) {
+  const std::uint32_t count = scenes::has_ground(scene) ? scenes::count_shapeless(scene) : 0;
+  if (count == 0) return "";
+  return plural(count, "movable particle") + (count == 1 ? " has" : " have") +
+         " no shape (capsules, hulls), and will pass through the ground";
+}
+
 std::string plural(std::uint64_t n, const char* noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
 }
 
-void print_run_summary(const std::string& scene, const RunPlan& plan, const RunResult& result,
-                       const scenes::Machine& machine) {
+void print_run_summary(const std::string& name, const Scene& scene, const RunPlan& plan,
+                       const RunResult& result, const scenes::Machine& machine) {
   const Settings& s = plan.settings;
   const WorldInfo& info = result.info;
-  print_line("scene", scene + ": " + plural(info.particles, "particle") + ", " + plural(info.rods, "rod") +
+  print_line("scene", name + ": " + plural(info.particles, "particle") + ", " + plural(info.rods, "rod") +
                           ", " + plural(info.islands, "island"));
   const bool family =
       s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
@@ -179,6 +189,8 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   if (solves) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
   print_budget(plan, result);
+  if (const std::string shapeless = shapeless_text(scene); !shapeless.empty())
+    print_line("shapes", shapeless);
   print_counts(result.total);
   print_errors(result);
   print_problems(result.problems);
