@@ -34,6 +34,9 @@ PRINTED = {
     "run drape:size=12 --duration 0.5": "solved all at once, relaxed where they touch, gradient ",
     "run rope:links=5 --duration 0.1": "5 rods solved all at once, gradient ",
     "run SCRATCH/bare.json --duration 0.1": "shapes    2 movable particles have no shape (capsules, hulls), and will",
+    "info SCRATCH/strained.json": "start      rods did not start at their lengths, rod 0 by 25 %",
+    "run SCRATCH/strained.json --duration 0.1": "rod 0 by 25 %; particles moved by at most 0.1",
+    "run SCRATCH/strained.json --duration 0.1 --method relax": "rod 0 by 25 %; steps move particles for that",
     "info SCRATCH/bare.json": "shapes     2 movable particles have no shape (capsules, hulls), and will",
 }
 
@@ -44,12 +47,15 @@ BARE = {
     "rods": [{"a": 0, "b": 1}],
     "planes": [{"normal": [0, 1, 0]}],
 }
+# A rod of 0.8 m between particles that are 1 m apart.
+STRAINED = {**BARE, "rods": [{"a": 0, "b": 1, "length": 0.8}], "planes": []}
 
 
 def main():
     plumb, scratch = sys.argv[1], pathlib.Path(sys.argv[2])
     scratch.mkdir(parents=True, exist_ok=True)
-    (scratch / "bare.json").write_text(json.dumps(BARE))
+    for name, scene in {"bare": BARE, "strained": STRAINED}.items():
+        (scratch / f"{name}.json").write_text(json.dumps(scene))
     complaints = []
     for typed in [*REFUSED, *PRINTED]:
         words = typed.replace("SCRATCH", str(scratch)).split()

@@ -14,6 +14,7 @@
 #include "plumb/scene.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/shapeless.hpp"
+#include "scenes/basics/start_strain.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/generators/wires.hpp"
 #include "scenes/spec.hpp"
@@ -223,6 +224,20 @@ TEST(Generators, CountWhatHasNoShape) {
   scene.capsules.clear();
   scene.hulls.push_back(box_on_body(body, {.half_size = {0.5, 1, 1.5}}));
   EXPECT_EQ(count_shapeless(scene), 3u);
+}
+
+// Of rods that keep their length, the one farthest off is told; cables may be slack.
+TEST(Generators, TellWhatStartsOffItsLength) {
+  Scene scene = make_chain(3);
+  EXPECT_NEAR(start_strain(scene).strain, 0, 1e-15);
+  const double distance = rod_length(scene, 1);
+  scene.rods[1].length = 2 * distance;
+  scene.rods[2].length = 0.8 * distance;
+  EXPECT_EQ(start_strain(scene).rod, 1u);
+  EXPECT_NEAR(start_strain(scene).strain, -0.5, 1e-15);
+  scene.rods[1].law.one_sided = true;
+  EXPECT_EQ(start_strain(scene).rod, 2u);
+  EXPECT_NEAR(start_strain(scene).strain, 0.25, 1e-15);
 }
 
 TEST(Generators, WhatIsWrongInASpecIsNamed) {

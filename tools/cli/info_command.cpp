@@ -61,6 +61,8 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
     std::printf("masses     %s to %s kg\n", short_number(facts.least_mass).c_str(),
                 short_number(facts.most_mass).c_str());
   }
+  if (const std::string strain = start_text(scene); !strain.empty())
+    std::printf("start      %s\n", strain.c_str());
   if (const std::string shapeless = shapeless_text(scene); !shapeless.empty())
     std::printf("shapes     %s\n", shapeless.c_str());
   std::printf("diagonal   %s m\n", short_number(bounding_diagonal(scene)).c_str());

@@ -12,6 +12,8 @@ namespace plumb::tools {
 /// Spells a count with its noun, such as "1 rod" and "2 rods".
 std::string plural(std::uint64_t n, const char* noun);
 
+/// Says which rod starts farthest off its length. It is empty if all start there.
+std::string start_text(const Scene& scene);
 /// Says how much of a scene with ground has no shape to touch it with. It is empty if all is well.
 std::string shapeless_text(const Scene& scene);
 
