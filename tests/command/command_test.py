@@ -14,6 +14,8 @@ REFUSED = {
     "run chain --tolerance 1e-3": "--tolerance: nothing reads tolerance: method auto relaxes nothing",
     "run chain --method direct --tolerance 1e-3": "--tolerance: nothing reads tolerance: method direct",
     "run chain --sweeps 20": "--sweeps: nothing reads sweeps: ",
+    "run chain --sweeps 10": "--sweeps: nothing reads sweeps: ",
+    "run chain --weights mass": "--weights: nothing reads weights: ",
     "run chain --layout soa": "--layout: nothing reads layout: ",
     "run chain --method relax --time-order 4": "--time-order: method relax does not read time order; it is read by direct",
     "run chain --damping-ratio 4": "--damping-ratio: method auto does not read damping ratio; it is read by springs",
@@ -32,6 +34,7 @@ REFUSED = {
 # What is typed, and a line of what is printed.
 PRINTED = {
     "run drape:size=12 --duration 0.5": "solved all at once, relaxed where they touch, gradient ",
+    "run chain:links=3 --method relax --sweeps 10 --omega 1 --duration 0.1": "at most 10 sweeps",
     "run rope:links=5 --duration 0.1": "5 rods solved all at once, gradient ",
     "run SCRATCH/bare.json --duration 0.1": "shapes    2 movable particles have no shape (capsules, hulls), and will",
     "info SCRATCH/strained.json": "start      rods did not start at their lengths, rod 0 by 25 %",

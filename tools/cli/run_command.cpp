@@ -13,6 +13,7 @@
 #include "export/gltf.hpp"
 #include "export/vtk.hpp"
 #include "plumb/error.hpp"
+#include "plumb/world.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/contacts.hpp"
@@ -136,9 +137,41 @@ void require_read(const RunOptions& options, const Scene& scene) {
   require_default(settings.sleep_time == Settings{}.sleep_time, "--sleep-time");
 }
 
-int run(const RunOptions& options) {
+/// Refuses options that were given their defaults where nothing reads them. The kernel cannot tell those from
+/// none, so that a world is asked for something else.
+void require_defaults_read(const std::string& typed, const Scene& scene, const Settings& settings) {
+  const Settings usual;
+  const auto ask = [&](const std::string& option, auto is_usual, auto change) {
+    if (typed.find(" " + option + " ") == std::string::npos || !is_usual(settings)) return;
+    Settings other = settings;
+    change(other);
+    const World world(scene, other);
+  };
+  ask(
+      "--sweeps", [&](const Settings& s) { return s.stop.sweeps == usual.stop.sweeps; },
+      [](Settings& s) { ++s.stop.sweeps; });
+  ask(
+      "--omega", [&](const Settings& s) { return s.omega == usual.omega; },
+      [](Settings& s) { s.omega = 1.5; });
+  ask(
+      "--weights", [&](const Settings& s) { return s.weights == usual.weights; },
+      [](Settings& s) { s.weights = Weights::equal; });
+  ask(
+      "--order", [&](const Settings& s) { return s.order == usual.order; },
+      [](Settings& s) { s.order = SweepOrder::jacobi; });
+  ask(
+      "--stiffness", [&](const Settings& s) { return s.springs.stiffness == usual.springs.stiffness; },
+      [](Settings& s) { s.springs.stiffness *= 2; });
+  ask(
+      "--damping-ratio",
+      [&](const Settings& s) { return s.springs.damping_ratio == usual.springs.damping_ratio; },
+      [](Settings& s) { s.springs.damping_ratio *= 2; });
+}
+
+int run(const RunOptions& options, const std::string& typed) {
   const Scene scene = scenes::load_scene(options.scene);
   require_read(options, scene);
+  require_defaults_read(typed, scene, options.plan.settings);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
   if (!options.truth_tensions.empty()) scenes::read_tensions(options.truth_tensions, truth);
@@ -317,10 +350,10 @@ void add_run_command(Command& plumb) {
       "  plumb run heap --duration 90 --resume heap.snapshot\n"
       "  plumb run --replay replay.json\n\n" +
       methods_help() + "\n" + generators_help());
-  command.set_action([options] {
+  command.set_action([options, command] {
     if (!options->replay.empty()) return repeat(options->replay);
     try {
-      return run(*options);
+      return run(*options, command.typed());
     } catch (const UnreadSetting& error) {
       throw InputError(typed_option(error, *options) + ": " + error.what());
     }
