@@ -35,6 +35,12 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
   return nullptr;
 }
 
+[[noreturn]] void refuse_option(const std::string& typed, const std::string& command,
+                                const std::vector<std::string>& known) {
+  throw InputError("no option '" + typed + "'; `" + command + " --help` lists those there are" +
+                   scenes::did_you_mean(typed.starts_with("--") ? typed : "-" + typed, known));
+}
+
 /// Refuses an option that the command does not have. CLI11 would name what follows it, too, in another order.
 void require_options(const CLI::App& command, const std::string& name, int argc, char** argv, int first) {
   std::vector<std::string> known;
@@ -46,9 +52,7 @@ void require_options(const CLI::App& command, const std::string& name, int argc,
     if (typed == "--") return;
     if (!is_option(typed)) continue;
     const CLI::Option* const option = command.get_option_no_throw(typed);
-    if (option == nullptr)
-      throw InputError("no option '" + typed + "'; `" + name + " --help` lists those there are" +
-                       scenes::did_you_mean(typed.starts_with("--") ? typed : "-" + typed, known));
+    if (option == nullptr) refuse_option(typed, name, known);
     if (option->get_expected_max() > 0 && typed == argv[i]) ++i;  // its value may begin with a dash
   }
 }

@@ -40,7 +40,7 @@ bool has_heavy_bodies(const Scene& island) {
 }
 
 /// Lists what makes an island more than particles and rods that may touch, as is_plain() looks for it.
-std::string parts_of(const Scene& island) {
+std::string kinds_of_parts(const Scene& island) {
   std::vector<std::string> out;
   const auto name = [&](bool has, const char* what) {
     if (has) out.emplace_back(what);
@@ -135,9 +135,9 @@ void require_joints_moved(const Scene& island, std::span<const std::uint32_t> pa
                 ": add_body() makes one that relaxation moves");
     return;
   }
-  if (!method_row(settings.method).moves_joints) refuse_it(parts_of(island), "");
+  if (!method_row(settings.method).moves_joints) refuse_it(kinds_of_parts(island), "");
   if (settings.mass == MassModel::lumped)
-    refuse("particle ", particles.front(), ": its island has ", parts_of(island),
+    refuse("particle ", particles.front(), ": its island has ", kinds_of_parts(island),
            ", which mass lumped does not know: bodies need their inertia");
 }
 
