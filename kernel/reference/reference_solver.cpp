@@ -102,13 +102,14 @@ MadeSolver made_of(const Scene& island, std::span<const std::uint32_t> particles
 
 /// Refuses what makes forces that are not smooth, and air, which both methods do not know.
 void require_known_joints(const Scene& island, std::uint32_t particle, Method method) {
-  const auto require = [&](bool has, const char* what) {
+  const auto require = [&](bool has, const char* what, const char* others = "relax, direct and auto") {
     if (has)
       refuse("particle ", particle, ": its island has ", what, ", which method ", to_string(method),
-             " does not know; direct and auto do");
+             " does not know; ", others, " do");
   };
   require(island.joint_drag != 0, "drag of joints");
-  for (const Rod& rod : island.rods) require(rod.linear_drag != 0 || rod.orthogonal_drag != 0, "air on rods");
+  for (const Rod& rod : island.rods)
+    require(rod.linear_drag != 0 || rod.orthogonal_drag != 0, "air on rods", "direct and auto");
   for (const AngleControl& angle : island.angles) {
     require(angle.lower > 0 || angle.upper < std::numbers::pi, "limits of angles");
     require(angle.friction > 0, "dry friction");

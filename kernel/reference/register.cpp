@@ -29,14 +29,15 @@ void register_reference_methods() {
       {.method = Method::springs,
        .name = to_string(Method::springs),
        .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
-       .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
+       .reads = Reads::mass | Reads::integrator | Reads::accuracy | Reads::springs | Reads::stiffness |
+                Reads::damping_ratio,
        .validate = validate_springs,
        .make = detail::make_reference_solvers});
   detail::register_method(
       {.method = Method::multipliers,
        .name = to_string(Method::multipliers),
        .moves = "particles, rods, bodies and joints, by Lagrange multipliers (thesis 3.4)",
-       .reads = Reads::mass | Reads::integrator | Reads::multipliers,
+       .reads = Reads::mass | Reads::integrator | Reads::stabilization | Reads::baumgarte_rate,
        .validate = validate_explicit,
        .make = detail::make_reference_solvers,
        .make_jointed = detail::make_jointed_solver});

@@ -50,8 +50,11 @@ TEST(Energy, GradientMidKeepsItToSecondOrder) {
 // pendulum at h = 1/480 s is 1e-4 of the range at most; what is tested is that ten more seconds add nothing.
 TEST(Energy, GradientOldSwingsWithoutDrift) {
   const Scene scene = scenes::make_chain(1, 1);
-  const Settings settings{
-      .gradient = Gradient::old, .substeps = 8, .stop = {.sweeps = 1000, .tolerance = 1e-12}, .threads = 1};
+  const Settings settings{.method = Method::relax,
+                          .gradient = Gradient::old,
+                          .substeps = 8,
+                          .stop = {.sweeps = 1000, .tolerance = 1e-12},
+                          .threads = 1};
   World world(scene, settings);
   const double first = largest_drift(scene, world, 600);
   const double second = largest_drift(scene, world, 600);

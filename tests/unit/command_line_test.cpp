@@ -7,6 +7,7 @@
 
 #include "cli/options.hpp"
 #include "plumb/error.hpp"
+#include "scenes/basics/nearest.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -75,8 +76,59 @@ TEST(CommandLine, RefusesWithTheNameOfTheOption) {
   EXPECT_EQ(message_of({"throw", "ball", "--speed", "fast"}), "--speed: 'fast' is not a finite number");
   EXPECT_EQ(message_of({"throw", "ball", "--speed", "2", "--still"}), "--speed excludes --still");
   EXPECT_EQ(message_of({"throw"}), "SCENE is required");
-  EXPECT_EQ(message_of({"trow"}), "no command 'trow'; known are throw, again");
+  EXPECT_EQ(message_of({"drop"}), "no command 'drop'; known are throw, again");
   EXPECT_EQ(message_of({}), "no command given; `plumb --help` lists them");
+}
+
+// A slip is named alone, whatever follows it, with the name that was meant.
+TEST(CommandLine, NamesWhatWasMeant) {
+  EXPECT_EQ(message_of({"trow"}), "no command 'trow'; known are throw, again. Did you mean throw?");
+  EXPECT_EQ(message_of({"throw", "ball", "--sped", "4"}),
+            "no option '--sped'; `plumb throw --help` lists those there are. Did you mean --speed?");
+  EXPECT_EQ(message_of({"throw", "ball", "-speed", "4"}),
+            "no option '-speed'; `plumb throw --help` lists those there are. Did you mean --speed?");
+  EXPECT_EQ(message_of({"throw", "--stil=1"}),
+            "no option '--stil'; `plumb throw --help` lists those there are. Did you mean --still?");
+  EXPECT_EQ(message_of({"again", "inner", "--colour"}),
+            "no option '--colour'; `plumb again inner --help` lists those there are");
+  EXPECT_EQ(message_of({"--versoin"}),
+            "no option '--versoin'; `plumb --help` lists those there are. Did you mean --version?");
+  EXPECT_EQ(message_of({"throw", "ball", "stone"}), "nothing takes 'stone'");
+  EXPECT_EQ(message_of({"throw", "ball", "--speed", "-x"}), "--speed: '-x' is not a finite number");
+}
+
+TEST(CommandLine, CountsLettersThatDiffer) {
+  EXPECT_EQ(scenes::letters_apart("", "abc"), 3u);
+  EXPECT_EQ(scenes::letters_apart("kitten", "sitting"), 3u) << "two changed, one added";
+  EXPECT_EQ(scenes::letters_apart("rnu", "run"), 1u) << "neighbours swapped";
+  EXPECT_EQ(scenes::letters_apart("ca", "abc"), 3u) << "none changes between swapped neighbours";
+  EXPECT_EQ(scenes::did_you_mean("nte", {"chain", "net", "ten"}), ". Did you mean net?");
+  EXPECT_EQ(scenes::did_you_mean("x", {"y"}), "") << "too short to tell";
+  EXPECT_EQ(scenes::did_you_mean("rope", {"pile", "wire"}), "");
+}
+
+// The kernel names settings in words, and the command by what is typed.
+TEST(CommandLine, HasAnOptionForEachSetting) {
+  CommandLine line("plumb", "about", "1", "");
+  Settings settings;
+  Command command = line.top().add_command("run", "Run");
+  add_solver_options(command, settings);
+  add_layout_options(command, settings);
+  command.set_action([] { return 0; });
+  for (const MethodInfo& method : all_methods())
+    for (const std::string_view setting : method.reads) {
+      if (setting == "sleep" || setting == "tensions" || setting == "contacts") continue;  // no such options
+      std::string words[] = {"plumb", "run", option_of(setting), "?"};
+      char* argv[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data()};
+      try {
+        line.run(4, argv);
+        ADD_FAILURE() << setting;
+      } catch (const InputError& error) {
+        EXPECT_TRUE(std::string(error.what()).starts_with(option_of(setting) + ": ")) << error.what();
+      }
+    }
+  EXPECT_EQ(option_of("budget"), "--budget-us");
+  EXPECT_EQ(option_of("time order"), "--time-order");
 }
 
 // The words of --method are the rows of the kernel's table, and so are those of the message that refuses one.

@@ -9,8 +9,12 @@
 #include <vector>
 
 #include "plumb/error.hpp"
+#include "plumb/inertia.hpp"
+#include "plumb/joints.hpp"
 #include "plumb/scene.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/shapeless.hpp"
+#include "scenes/basics/start_strain.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/generators/wires.hpp"
 #include "scenes/spec.hpp"
@@ -206,15 +210,50 @@ TEST(Generators, EveryListedDefaultCanBeWrittenOut) {
   }
 }
 
+// What touches has shapes. Three links of this chain have none, and its body has one on two of its particles.
+TEST(Generators, CountWhatHasNoShape) {
+  Scene scene = make_chain(3);
+  EXPECT_FALSE(has_ground(scene));
+  EXPECT_EQ(count_shapeless(scene), 3u) << "anchors do not count";
+  scene.planes.push_back({});
+  EXPECT_TRUE(has_ground(scene));
+  const std::uint32_t body = add_body(scene, solid_box(1, {1, 2, 3}));
+  EXPECT_EQ(count_shapeless(scene), 7u);
+  scene.capsules.push_back({.a = point_at(4), .b = point_at(5), .radius = 0.1});
+  EXPECT_EQ(count_shapeless(scene), 3u);
+  scene.capsules.clear();
+  scene.hulls.push_back(box_on_body(body, {.half_size = {0.5, 1, 1.5}}));
+  EXPECT_EQ(count_shapeless(scene), 3u);
+}
+
+// Of rods that keep their length, the one farthest off is told; cables may be slack.
+TEST(Generators, TellWhatStartsOffItsLength) {
+  Scene scene = make_chain(3);
+  EXPECT_NEAR(start_strain(scene).strain, 0, 1e-15);
+  const double distance = rod_length(scene, 1);
+  scene.rods[1].length = 2 * distance;
+  scene.rods[2].length = 0.8 * distance;
+  EXPECT_EQ(start_strain(scene).rod, 1u);
+  EXPECT_NEAR(start_strain(scene).strain, -0.5, 1e-15);
+  scene.rods[1].law.one_sided = true;
+  EXPECT_EQ(start_strain(scene).rod, 2u);
+  EXPECT_NEAR(start_strain(scene).strain, 0.25, 1e-15);
+}
+
 TEST(Generators, WhatIsWrongInASpecIsNamed) {
   EXPECT_EQ(message_of("string"),
             "no scene 'string': there is no such file, and the generators are chain, thesis5, line, winch, "
             "net, ensemble, "
             "ring, truss, rods5, tree, humanoid, graph, crowd, stick_box, drop, wire, rope, heap, drape, "
-            "terrain, boxes, pile, shot");
+            "terrain, boxes, pile, shot. Did you mean ring?");
   EXPECT_EQ(message_of("chain:colour=3"),
-            "scene 'chain:colour=3': no parameter 'colour'; known are links, length, mass, end_mass");
-  EXPECT_EQ(message_of("thesis5:links=3"), "scene 'thesis5:links=3': no parameter 'links'; it takes none");
+            "scene 'chain:colour=3': no parameter 'colour'; known are links, length, mass, end_mass, and of "
+            "all scenes stiffness, damping, strength, cables");
+  EXPECT_TRUE(message_of("chain:link=3").ends_with("cables. Did you mean links?"));
+  EXPECT_TRUE(message_of("net:stifness=3").ends_with("cables. Did you mean stiffness?"));
+  EXPECT_EQ(message_of("thesis5:links=3"),
+            "scene 'thesis5:links=3': no parameter 'links'; it takes none of its own, and of all scenes "
+            "stiffness, damping, strength, cables");
   EXPECT_EQ(message_of("chain:links=2.5"),
             "scene 'chain:links=2.5': links must be a whole number, not '2.5'");
   EXPECT_EQ(message_of("chain:links=-1"), "scene 'chain:links=-1': links must be a whole number, not '-1'");

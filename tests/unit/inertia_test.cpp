@@ -84,6 +84,29 @@ TEST(Inertia, OfSolidsIsThatOfTheirPoints) {
               1e-3);
 }
 
+// A solid along y has the moments of y and x swapped, and one along (1, 2, 2)/3 is turned there: its moments
+// along and across that axis stay.
+TEST(Inertia, OfSolidsBetweenPlacesIsTurned) {
+  const MassProperties along_x = solid_capsule(2, 0.3, 0.9);
+  const MassProperties upright = solid_capsule(2, 0.3, {1, 1, 1}, {1, 1.9, 1});
+  EXPECT_LE(norm(upright.center - Vec3{1, 1.45, 1}), 1e-15);
+  EXPECT_NEAR(upright.inertia.yy, along_x.inertia.xx, 1e-15);
+  EXPECT_NEAR(upright.inertia.xx, along_x.inertia.yy, 1e-15);
+  EXPECT_NEAR(upright.inertia.zz, along_x.inertia.yy, 1e-15);
+  EXPECT_EQ(upright.inertia.xy, 0);
+  const Inertia slanted = solid_capsule(2, 0.3, {0, 0, 0}, {0.3, 0.6, 0.6}).inertia;
+  const auto about = [&](Vec3 u) {
+    return slanted.xx * u.x * u.x + slanted.yy * u.y * u.y + slanted.zz * u.z * u.z +
+           2 * (slanted.xy * u.x * u.y + slanted.xz * u.x * u.z + slanted.yz * u.y * u.z);
+  };
+  EXPECT_NEAR(about({1.0 / 3, 2.0 / 3, 2.0 / 3}), along_x.inertia.xx, 1e-15);
+  EXPECT_NEAR(about({2.0 / 3, 1.0 / 3, -2.0 / 3}), along_x.inertia.yy, 1e-15);
+  EXPECT_NEAR(about({-2.0 / 3, 2.0 / 3, -1.0 / 3}), along_x.inertia.yy, 1e-15);
+  EXPECT_NEAR(solid_cylinder(2, 0.3, {0, 0, 5}, {0, 0, 4}).inertia.zz, 0.09, 1e-15);
+  EXPECT_THROW(solid_cylinder(1, 1, {1, 2, 3}, {1, 2, 3}), InputError);
+  EXPECT_THROW(solid_capsule(1, 1, {std::nan(""), 2, 3}, {1, 2, 3}), InputError);
+}
+
 // A long thin cylinder and a long thin capsule are a slender rod, m L^2 / 12.
 TEST(Inertia, OfThinSolidsIsThatOfARod) {
   EXPECT_NEAR(solid_cylinder(3, 1e-6, 2).inertia.yy, 1, 1e-10);

@@ -15,6 +15,7 @@
 #include "relax/relax_solver.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
+#include "step/compile/requirements.hpp"
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
@@ -133,9 +134,18 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
         s.integrator = Integrator::rk2;
         break;
       case detail::Reads::springs:
+        s.springs.model = SpringModel::particles;
+        break;
+      case detail::Reads::stiffness:
         s.springs.stiffness = 7;
         break;
-      case detail::Reads::multipliers:
+      case detail::Reads::damping_ratio:
+        s.springs.damping_ratio = 0.7;
+        break;
+      case detail::Reads::stabilization:
+        s.multipliers.stabilization = Stabilization::none;
+        break;
+      case detail::Reads::baumgarte_rate:
         s.multipliers.baumgarte_rate = 7;
         break;
       case detail::Reads::sleep:
@@ -149,6 +159,12 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
         break;
       case detail::Reads::contacts:
         s.contacts = true;
+        break;
+      case detail::Reads::most_work:
+        s.most_work = 7;
+        break;
+      case detail::Reads::sleep_time:
+        s.sleep_time = 7;
         break;
       case detail::Reads::contact:
         s.contact.margin = 1e-3;
@@ -192,6 +208,73 @@ TEST(Methods, AutomaticRefusesWhatNoIslandReads) {
   EXPECT_NE(refusal(scenes::make_chain(3), settings).find("sweeps"), std::string::npos);
   EXPECT_NE(refusal(scenes::make_net(20, 20), settings).find("sweeps"), std::string::npos);
   EXPECT_EQ(refusal(scenes::make_net(200, 200), settings), "") << "vast, and relaxed";
+}
+
+/// The name of the setting that a world says nothing reads.
+std::string unread(const Scene& scene, const Settings& settings) {
+  try {
+    const World world(scene, settings);
+  } catch (const UnreadSetting& error) {
+    EXPECT_NE(std::string(error.what()).find(error.setting()), std::string::npos) << error.what();
+    return std::string(error.setting());
+  }
+  return "";
+}
+
+// A budget or a tolerance is named, not the cap on sweeps that comes along. What is solved by its lines, or
+// relaxed, reads a tolerance.
+TEST(Methods, NameTheSettingThatNothingReads) {
+  const Scene chain = scenes::make_chain(3);
+  const StopRule budget{.sweeps = 10000, .budget_us = 5.0}, tolerance{.sweeps = 10000, .tolerance = 1e-3};
+  EXPECT_EQ(unread(chain, {.stop = budget}), "budget");
+  EXPECT_EQ(unread(chain, {.method = Method::direct, .stop = {.budget_us = 5.0}}), "budget");
+  EXPECT_EQ(unread(chain, {.stop = tolerance}), "tolerance");
+  EXPECT_EQ(unread(chain, {.method = Method::direct, .stop = {.tolerance = 1e-3}}), "tolerance");
+  EXPECT_EQ(unread(chain, {.method = Method::relax, .stop = tolerance}), "");
+  EXPECT_EQ(unread(scenes::load_scene("humanoid:body=thin"), {.stop = tolerance}), "tolerance");
+  EXPECT_EQ(unread(scenes::make_net(20, 20), {.stop = tolerance}), "") << "solved by its lines";
+  EXPECT_EQ(unread(scenes::make_net(200, 200), {.stop = budget}), "") << "relaxed";
+  EXPECT_EQ(unread(chain, {.time_order = 4}), "time order");
+}
+
+TEST(Methods, AreNamedAsASentenceDoes) {
+  using detail::methods_that;
+  EXPECT_EQ(methods_that([](const detail::MethodRow&) { return false; }), "");
+  EXPECT_EQ(methods_that([](const detail::MethodRow& row) { return row.method == Method::relax; }), "relax");
+  EXPECT_EQ(methods_that([](const detail::MethodRow& row) { return row.moves_laws; }),
+            "relax, direct and auto");
+}
+
+// A refusal names what the island has and no more, and all methods that move it.
+TEST(Methods, NameWhatAnIslandHasAndWhatMovesIt) {
+  register_reference_methods();
+  Scene bodies;
+  MassProperties box = solid_box(1, {0.1, 0.2, 0.3});
+  const std::uint32_t one = add_body(bodies, box);
+  box.center = {0.3, 0, 0};
+  const std::uint32_t other = add_body(bodies, box);
+  add_revolute(bodies, one, other, {0.15, 0, 0}, {0, 0, 1});
+  const Settings springs{.method = Method::springs, .threads = 1};
+  EXPECT_EQ(refusal(bodies, springs),
+            "particle 0: its island has bodies and joints, which method springs cannot move; relax, direct, "
+            "multipliers, featherstone and auto can");
+  bodies.joint_drag = 1;
+  EXPECT_EQ(refusal(bodies, springs),
+            "particle 0: its island has bodies, joints and drag of joints, which method springs cannot move; "
+            "relax, direct and auto can");
+  Scene air = scenes::make_tree();
+  air.rods[0].orthogonal_drag = 1;
+  EXPECT_NE(refusal(air, springs)
+                .find("its island has air on rods, which method springs cannot move; "
+                      "direct and auto can"),
+            std::string::npos);
+  EXPECT_NE(refusal(air, {.method = Method::relax})
+                .find("its island has air on rods, which method relax cannot move; direct and auto can"),
+            std::string::npos);
+  Scene cables = scenes::make_chain(3);
+  cables.rods[1].law.one_sided = true;
+  EXPECT_EQ(refusal(cables, springs),
+            "rod 1: gives, which method springs cannot move; relax, direct and auto can");
 }
 
 // Worlds refuse what would change nothing, too.

@@ -67,6 +67,29 @@ TEST(ValidateBodies, AskForTheInertiaOfASolid) {
   EXPECT_NE(refusal([&] { require_solid(0, disc); }).find("not that of a solid"), std::string::npos);
 }
 
+// A sphere has both of its ends at one place, which sphere_at() does not leave out.
+TEST(ValidateBodies, SayHowASphereIsMade) {
+  Scene scene;
+  scene.particles = {test::movable({0, 0, 0})};
+  scene.capsules = {{.a = point_at(0), .radius = 1}};
+  EXPECT_EQ(refusal([&] { validate_shapes(scene); }),
+            "capsule 0, point b: has no weights; those of a sphere are those of point a, as sphere_at() has "
+            "them");
+  scene.capsules = {sphere_at(point_at(0), 1)};
+  EXPECT_EQ(refusal([&] { validate_shapes(scene); }), "");
+  EXPECT_EQ(scene.capsules[0].radius, 1);
+}
+
+TEST(Refuse, NamesTheSettingThatNothingReads) {
+  try {
+    refuse_unread("omega", "all is ", 1u, " tree");
+    FAIL();
+  } catch (const UnreadSetting& error) {
+    EXPECT_EQ(error.setting(), "omega");
+    EXPECT_STREQ(error.what(), "nothing reads omega: all is 1 tree");
+  }
+}
+
 // Joints and shapes have their own checks, and an empty scene passes all of them.
 TEST(ValidateBodies, LookAtTheirOwnLists) {
   Scene scene;

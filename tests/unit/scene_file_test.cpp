@@ -374,7 +374,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
             "rods, bends, twists, tackles, reels, bodies, pins, "
             "alignments, angles, springs, torsions, capsules, planes, boxes, platforms, "
-            "hulls, ground_capsules, ground_hulls, meshes, height_fields");
+            "hulls, ground_capsules, ground_hulls, meshes, height_fields. Did you mean gravity?");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

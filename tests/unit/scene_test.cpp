@@ -347,7 +347,10 @@ TEST(SceneChecks, ShapesAndGroundHaveSizesAndSurfaces) {
   EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].b.particles[0] = 8; }),
             "capsule 0, point b: particle 8 does not exist (the scene has 8 particles)");
   EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].b = {}; }),
-            "capsule 0, point b: weights must add up to 1, not 0");
+            "capsule 0, point b: has no weights; those of a sphere are those of point a, as sphere_at() has "
+            "them");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].b.weights = {0.5}; }),
+            "capsule 0, point b: weights must add up to 1, not 0.5");
   EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].surface.friction = -0.1; }),
             "capsule 0: friction must be finite and not negative, got -0.1");
   EXPECT_EQ(refusal_after([](Scene& s) { s.planes[0].surface.restitution = 1.1; }),

@@ -75,6 +75,17 @@ TEST(ViewSide, ChangesInPlace) {
   EXPECT_EQ(direct.sides()[0].scene().particles.back().mass, 20);
 }
 
+// What a chain does not read when it is solved is kept for when it is relaxed again.
+TEST(ViewSide, KeepsWhatNothingReads) {
+  Exhibit exhibit(start_of("chain:links=12", {{.method = Method::relax, .stop = {.tolerance = 1e-3}}}));
+  run(exhibit, 3);
+  exhibit.take(set("method", "auto"));
+  run(exhibit, 3);
+  EXPECT_TRUE(is_sound(exhibit));
+  exhibit.take(set("method", "relax"));
+  EXPECT_EQ(exhibit.sides()[0].world().settings().stop.tolerance, 1e-3);
+}
+
 TEST(ViewSide, GoesOnInANewWorld) {
   for (const char* scene : {"chain:links=12", "net:width=6,height=6", "humanoid", "rods5"}) {
     SCOPED_TRACE(scene);

@@ -91,6 +91,9 @@ class CommandLine {
   int run(int argc, char** argv);
 
  private:
+  /// Throws InputError on a command or an option that is not known, with the one that was meant.
+  void require_known(int argc, char** argv) const;
+
   std::unique_ptr<CLI::App> app_;
   Action chosen_;
 };

@@ -7,7 +7,9 @@
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "cli/run_summary.hpp"
 #include "plot/table.hpp"
+#include "plumb/error.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/json.hpp"
@@ -59,6 +61,10 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
     std::printf("masses     %s to %s kg\n", short_number(facts.least_mass).c_str(),
                 short_number(facts.most_mass).c_str());
   }
+  if (const std::string strain = start_text(scene); !strain.empty())
+    std::printf("start      %s\n", strain.c_str());
+  if (const std::string shapeless = shapeless_text(scene); !shapeless.empty())
+    std::printf("shapes     %s\n", shapeless.c_str());
   std::printf("diagonal   %s m\n", short_number(bounding_diagonal(scene)).c_str());
   std::printf("threads    %u, %s\n", info.threads,
               info.parallel ? "used" : "not used: the scene is too small to win");
@@ -102,6 +108,8 @@ scenes::Json methods_json(const Scene& scene) {
 
 int info(const InfoOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
+  if (has_more_than_rods(scene) && options.settings.layout != LayoutChoice::automatic)
+    throw InputError("--layout: nothing reads it: this scene has more than particles and rods");
   std::optional<scenes::OutputFile> report;
   std::optional<scenes::OutputFile> file;
   if (!options.report.empty()) report.emplace(options.report);

@@ -8,6 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "plumb/error.hpp"
 #include "plumb/reference/methods.hpp"
 #include "scenes/runs/machine.hpp"
 
@@ -28,7 +29,7 @@ int main(int argc, char** argv) {
   const std::string footer =
       "Examples:\n"
       "  plumb run chain:links=20,end_mass=10 --method relax --substeps 8 --sweeps 20\n"
-      "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
+      "  plumb run tools/scenes/net.json --method relax --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
       "  plumb view\n"
       "  plumb humanoid --experiments --out out\n"
@@ -62,6 +63,8 @@ int main(int argc, char** argv) {
   } catch (const tools::CheckFailed& error) {
     complain(error.what());
     return tools::check_failed;
+  } catch (const UnreadSetting& error) {
+    return complain(tools::option_of(error.setting()) + ": " + error.what());
   } catch (const std::bad_alloc&) {
     return complain("not enough memory for this scene");
   } catch (const std::exception& error) {

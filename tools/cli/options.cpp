@@ -6,6 +6,7 @@
 
 #include "plumb/error.hpp"
 #include "scenes/basics/lists.hpp"
+#include "scenes/basics/nearest.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/spec.hpp"
 
@@ -134,7 +135,7 @@ Option add_words(Command& command, const std::string& name, const std::vector<st
   for (const std::string& word : words) append_item(list, word, "|");
   const auto check = [words, list, take = std::move(take)](const std::string& word) {
     if (std::find(words.begin(), words.end(), word) == words.end())
-      throw BadValue("'" + word + "' is not one of " + list);
+      throw BadValue("'" + word + "' is not one of " + list + scenes::did_you_mean(word, words));
     take(word);
   };
   return command.add_option(name, list, check, help);
@@ -224,6 +225,14 @@ void add_solver_options(Command& command, Settings& settings) {
   add_choice(command, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
   add_equation_options(command, settings);
+}
+
+std::string option_of(std::string_view setting) {
+  if (setting == "budget") return "--budget-us";
+  if (setting == "contact") return "--length-scale";
+  std::string out = "--" + std::string(setting);
+  std::replace(out.begin(), out.end(), ' ', '-');
+  return out;
 }
 
 std::string methods_help(const std::vector<MethodInfo>& methods) {

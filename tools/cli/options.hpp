@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -79,6 +80,9 @@ void add_layout_options(Command& command, Settings& settings);
 
 /// Adds --method and all options that say how a scene is solved, such as --substeps, --sweeps and --gradient.
 void add_solver_options(Command& command, Settings& settings);
+
+/// Returns the option of a setting that the kernel names (MethodInfo::reads), such as --budget-us.
+std::string option_of(std::string_view setting);
 
 /// Lists methods and what they move, a line each. Help texts end with all those of the kernel's table.
 std::string methods_help(const std::vector<MethodInfo>& methods = all_methods());

@@ -13,6 +13,7 @@
 #include "export/gltf.hpp"
 #include "export/vtk.hpp"
 #include "plumb/error.hpp"
+#include "plumb/world.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/contacts.hpp"
@@ -117,10 +118,60 @@ void require_sound(const scenes::RunResult& result) {
                       " could not be solved, not even with elastic rods");
 }
 
-int run(const RunOptions& options) {
+/// Refuses options that nothing of a run would read.
+void require_read(const RunOptions& options, const Scene& scene) {
   if (options.save_every > 0 && options.save.empty())
     throw InputError("--save-every says when to write the file of --save, and there is none");
+  const bool writes = !options.trajectory.empty() || !options.tensions.empty() || !options.forces.empty() ||
+                      !options.contacts.empty() || !options.vtk.empty() || !options.gltf.empty();
+  if (!options.save_at.empty() && !writes)
+    throw InputError(
+        "--save-at says when to write files of frames, such as that of --trajectory, and there "
+        "are none");
+  const Settings& settings = options.plan.settings;
+  if (has_more_than_rods(scene)) return;
+  const auto require_default = [](bool is, const char* option) {
+    if (!is) throw InputError(std::string(option) + ": nothing reads it: nothing of this scene can touch");
+  };
+  require_default(settings.contact.length_scale == ContactSettings{}.length_scale, "--length-scale");
+  require_default(settings.sleep_time == Settings{}.sleep_time, "--sleep-time");
+}
+
+/// Refuses options that were given their defaults where nothing reads them. The kernel cannot tell those from
+/// none, so that a world is asked for something else.
+void require_defaults_read(const std::string& typed, const Scene& scene, const Settings& settings) {
+  const Settings usual;
+  const auto ask = [&](const std::string& option, auto is_usual, auto change) {
+    if (typed.find(" " + option + " ") == std::string::npos || !is_usual(settings)) return;
+    Settings other = settings;
+    change(other);
+    const World world(scene, other);
+  };
+  ask(
+      "--sweeps", [&](const Settings& s) { return s.stop.sweeps == usual.stop.sweeps; },
+      [](Settings& s) { ++s.stop.sweeps; });
+  ask(
+      "--omega", [&](const Settings& s) { return s.omega == usual.omega; },
+      [](Settings& s) { s.omega = 1.5; });
+  ask(
+      "--weights", [&](const Settings& s) { return s.weights == usual.weights; },
+      [](Settings& s) { s.weights = Weights::equal; });
+  ask(
+      "--order", [&](const Settings& s) { return s.order == usual.order; },
+      [](Settings& s) { s.order = SweepOrder::jacobi; });
+  ask(
+      "--stiffness", [&](const Settings& s) { return s.springs.stiffness == usual.springs.stiffness; },
+      [](Settings& s) { s.springs.stiffness *= 2; });
+  ask(
+      "--damping-ratio",
+      [&](const Settings& s) { return s.springs.damping_ratio == usual.springs.damping_ratio; },
+      [](Settings& s) { s.springs.damping_ratio *= 2; });
+}
+
+int run(const RunOptions& options, const std::string& typed) {
   const Scene scene = scenes::load_scene(options.scene);
+  require_read(options, scene);
+  require_defaults_read(typed, scene, options.plan.settings);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
   if (!options.truth_tensions.empty()) scenes::read_tensions(options.truth_tensions, truth);
@@ -162,12 +213,18 @@ int run(const RunOptions& options) {
   saved.commit();
   if (report) report->commit();
   if (end_scene) end_scene->commit();
-  if (!options.quiet) print_run_summary(options.scene, options.plan, result, machine);
+  if (!options.quiet) print_run_summary(options.scene, scene, options.plan, result, machine);
   require_sound(result);
   if (!result.is_whole)
     throw CheckFailed("stopped at " + scenes::short_number(result.end, 12) + " s; --resume " + options.save +
                       " goes on from there");
   return fine;
+}
+
+/// Returns the option that was typed for a setting. Several files ask for tensions.
+std::string typed_option(const UnreadSetting& error, const RunOptions& options) {
+  if (error.setting() != "tensions") return option_of(error.setting());
+  return !options.tensions.empty() ? "--tensions" : !options.forces.empty() ? "--forces" : "--truth-tensions";
 }
 
 /// Repeats what a page did, in all of its worlds, and compares their hashes with those that it saved.
@@ -293,7 +350,14 @@ void add_run_command(Command& plumb) {
       "  plumb run heap --duration 90 --resume heap.snapshot\n"
       "  plumb run --replay replay.json\n\n" +
       methods_help() + "\n" + generators_help());
-  command.set_action([options] { return options->replay.empty() ? run(*options) : repeat(options->replay); });
+  command.set_action([options, command] {
+    if (!options->replay.empty()) return repeat(options->replay);
+    try {
+      return run(*options, command.typed());
+    } catch (const UnreadSetting& error) {
+      throw InputError(typed_option(error, *options) + ": " + error.what());
+    }
+  });
 }
 
 }  // namespace plumb::tools

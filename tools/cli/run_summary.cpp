@@ -1,11 +1,14 @@
 #include "cli/run_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
+#include "scenes/basics/shapeless.hpp"
+#include "scenes/basics/start_strain.hpp"
 #include "scenes/runs/counters.hpp"
 #include "scenes/runs/report.hpp"
 
@@ -15,6 +18,9 @@ namespace {
 using scenes::RunPlan;
 using scenes::RunResult;
 using scenes::short_number;
+
+/// Rods that start off their length by less are what rounding in a file leaves.
+constexpr double least_start_strain = 1e-4;
 
 std::string percent(double share) {
   return short_number(100 * share, 4) + " %";
@@ -53,9 +59,11 @@ void print_counts(const StepReport& total) {
 void print_direct(const RunPlan& plan, const RunResult& result) {
   const Settings& s = plan.settings;
   const WorldInfo& info = result.info;
+  const bool relaxes_crowds = info.relaxed_rods == 0 && result.total.rod_projections > 0;
   print_line(
       "direct",
-      plural(info.direct_rods, "rod") + " solved all at once, gradient " +
+      plural(info.direct_rods, "rod") + " solved all at once, " +
+          (relaxes_crowds ? "relaxed where they touch, " : "") + "gradient " +
           std::string(to_string(info.direct_gradient)) + (info.changes_gradient ? " (mid while calm)" : "") +
           (info.direct_time_order == 2 ? std::string()
                                        : ", time order " + std::to_string(info.direct_time_order)) +
@@ -124,11 +132,12 @@ void print_errors(const RunResult& result) {
 }
 
 /// Prints what was wrong with the scene at first.
-void print_start(const WorldInfo& info) {
-  if (info.projected_position > 0) {
-    print_line("start", "rods did not start at their lengths; particles moved by at most " +
-                            short_number(info.projected_position) + " m");
-  }
+void print_start(const Scene& scene, const WorldInfo& info) {
+  if (const std::string strain = start_text(scene); !strain.empty() || info.projected_position > 0)
+    print_line("start", (strain.empty() ? "rods did not start at their lengths" : strain) +
+                            (info.projected_position > 0 ? "; particles moved by at most " +
+                                                               short_number(info.projected_position) + " m"
+                                                         : "; steps move particles for that"));
   if (info.unprojected_islands > 0) {
     print_line("start", "in " + plural(info.unprojected_islands, "island") +
                             " rods do not fit together, and share what they lack");
@@ -159,15 +168,29 @@ void print_problems(const std::vector<Problem>& problems) {
 
 }  // namespace
 
+std::string start_text(const Scene& scene) {
+  const auto [rod, strain] = scenes::start_strain(scene);
+  if (std::abs(strain) < least_start_strain) return "";
+  return "rods did not start at their lengths, rod " + std::to_string(rod) + " by " +
+         short_number(100 * strain, 3) + " %";
+}
+
+std::string shapeless_text(const Scene& scene) {
+  const std::uint32_t count = scenes::has_ground(scene) ? scenes::count_shapeless(scene) : 0;
+  if (count == 0) return "";
+  return plural(count, "movable particle") + (count == 1 ? " has" : " have") +
+         " no shape (capsules, hulls), and will pass through the ground";
+}
+
 std::string plural(std::uint64_t n, const char* noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
 }
 
-void print_run_summary(const std::string& scene, const RunPlan& plan, const RunResult& result,
-                       const scenes::Machine& machine) {
+void print_run_summary(const std::string& name, const Scene& scene, const RunPlan& plan,
+                       const RunResult& result, const scenes::Machine& machine) {
   const Settings& s = plan.settings;
   const WorldInfo& info = result.info;
-  print_line("scene", scene + ": " + plural(info.particles, "particle") + ", " + plural(info.rods, "rod") +
+  print_line("scene", name + ": " + plural(info.particles, "particle") + ", " + plural(info.rods, "rod") +
                           ", " + plural(info.islands, "island"));
   const bool family =
       s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
@@ -179,10 +202,12 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   if (solves) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
   print_budget(plan, result);
+  if (const std::string shapeless = shapeless_text(scene); !shapeless.empty())
+    print_line("shapes", shapeless);
   print_counts(result.total);
   print_errors(result);
   print_problems(result.problems);
-  print_start(info);
+  print_start(scene, info);
   std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
                      short_number(1e6 * result.wall_s / frames_of(result), 4) + " µs a frame";
   if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";

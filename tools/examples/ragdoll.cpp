@@ -3,17 +3,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>
-#include <utility>
 
 namespace {
 
-/// Adds a limb from one place to the other along x or z, with its shape. Returns its body.
+/// Adds a limb from one place to the other with its shape. Returns its body.
 std::uint32_t add_limb(plumb::Scene& scene, plumb::Vec3 from, plumb::Vec3 to, double mass, double radius) {
-  const plumb::Vec3 along = to - from;
-  plumb::MassProperties solid = plumb::solid_cylinder(mass, radius, norm(along));
-  if (along.z != 0) std::swap(solid.inertia.xx, solid.inertia.zz);  // The cylinder's axis is x.
-  solid.center = 0.5 * (from + to);
-  const std::uint32_t body = plumb::add_body(scene, solid);
+  const std::uint32_t body = plumb::add_body(scene, plumb::solid_cylinder(mass, radius, from, to));
   scene.capsules.push_back({.a = plumb::point_on_body(scene, body, from),
                             .b = plumb::point_on_body(scene, body, to),
                             .radius = radius});

@@ -8,6 +8,7 @@
 
 #include "plumb/error.hpp"
 #include "scenes/basics/lists.hpp"
+#include "scenes/basics/nearest.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/generators/contacts.hpp"
@@ -63,9 +64,9 @@ using Parameters = std::vector<Parameter<Shape>>;
 
 template <class Shape>
 Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment, Shape shape) {
-  std::string known;
+  std::vector<std::string> known;
   for (const Parameter<Shape>& parameter : parameters) {
-    append_item(known, parameter.name);
+    known.emplace_back(parameter.name);
     if (assignment.key != parameter.name) continue;
     std::visit(
         [&](auto field) {
@@ -75,8 +76,11 @@ Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment
         parameter.field);
     return shape;
   }
-  throw InputError("no parameter '" + std::string(assignment.key) + "'; " +
-                   (known.empty() ? "it takes none" : "known are " + known));
+  const std::string own = known.empty() ? "it takes none of its own" : "known are " + joined(known);
+  known.insert(known.end(), {"stiffness", "damping", "strength", "cables"});
+  throw InputError("no parameter '" + std::string(assignment.key) + "'; " + own +
+                   ", and of all scenes stiffness, damping, strength, cables" +
+                   did_you_mean(assignment.key, known));
 }
 
 /// Takes the assignments that say how rods give, which every generator has.
@@ -353,9 +357,9 @@ Scene load_scene(std::string_view spec) {
   if (names_a_file(spec)) return read_scene(spec);
   const std::size_t colon = spec.find(':');
   const std::string_view name = spec.substr(0, colon);
-  std::string known;
+  std::vector<std::string> known;
   for (const Generator& generator : generators()) {
-    append_item(known, generator.name);
+    known.emplace_back(generator.name);
     if (name != generator.name) continue;
     try {
       std::vector<Assignment> assignments;
@@ -370,7 +374,7 @@ Scene load_scene(std::string_view spec) {
     }
   }
   throw InputError("no scene '" + std::string(spec) + "': there is no such file, and the generators are " +
-                   known);
+                   joined(known) + did_you_mean(name, known));
 }
 
 std::vector<GeneratorHelp> list_generators() {

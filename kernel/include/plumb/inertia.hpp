@@ -42,7 +42,7 @@ PLUMB_API MassProperties mass_properties(std::span<const PointMass> points);
 
 /// Weighs a cylinder of even density, centred on the origin with its axis along x (thesis eq. 4.2 to 4.4).
 ///
-/// Lengths are in m, mass is in kg. All four solids throw InputError on a size that is not positive and
+/// Lengths are in m, mass is in kg. All solids throw InputError on a size that is not positive and
 /// finite, and on a mass that is negative or not finite.
 PLUMB_API MassProperties solid_cylinder(double mass, double radius, double length);
 /// Weighs a box with sides `size` (m) along the axes.
@@ -51,6 +51,11 @@ PLUMB_API MassProperties solid_box(double mass, Vec3 size);
 PLUMB_API MassProperties solid_sphere(double mass, double radius);
 /// Weighs a cylinder of `length` (m) along x with half a sphere on either end.
 PLUMB_API MassProperties solid_capsule(double mass, double radius, double length);
+/// Weighs a cylinder whose axis leads from `a` to `b` (m), in any direction. Its centre is between them.
+/// Throws InputError on places that are the same or not finite, too.
+PLUMB_API MassProperties solid_cylinder(double mass, double radius, Vec3 a, Vec3 b);
+/// Weighs such a cylinder with half a sphere on either end: what a Capsule between `a` and `b` holds.
+PLUMB_API MassProperties solid_capsule(double mass, double radius, Vec3 a, Vec3 b);
 
 /// Returns the inertia (kg m²) about another point, `offset` (m) away from the centre of mass, by the theorem
 /// of parallel axes.

@@ -26,6 +26,9 @@ PLUMB_API Point point_on_rod(const Scene& scene, std::uint32_t rod, double fract
 /// in one plane.
 PLUMB_API Point point_on_body(const Scene& scene, std::uint32_t body, Vec3 position);
 
+/// Returns a sphere of `radius` (m) around a place, as a capsule whose ends are both there.
+PLUMB_API Capsule sphere_at(const Point& center, double radius);
+
 /// Returns where a place is, as the scene stands, in m. The scene must hold its particles.
 PLUMB_API Vec3 position_of(const Scene& scene, const Point& point);
 

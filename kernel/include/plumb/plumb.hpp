@@ -10,7 +10,7 @@
 ///     plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
 ///
 /// - scene.hpp: what is simulated.
-/// - shapes/ground.hpp: ground beside planes and boxes.
+/// - shapes/ground.hpp: ground, from planes to landscapes.
 /// - shapes/contact.hpp: what touched in a step.
 /// - shapes/queries.hpp: what rays and what is cast meet, what overlaps, what is nearest.
 /// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.

@@ -55,7 +55,10 @@ struct RodLaw {
 struct Rod {
   std::uint32_t a = 0;  ///< Index into Scene::particles.
   std::uint32_t b = 0;  ///< Index into Scene::particles.
-  double length = 0;    ///< Length in m; 0 means the distance between the two particles.
+  /// Length in m; 0 means the distance between the two particles. Where it differs from that distance, a
+  /// rigid rod brings them there: solved directly before the first step, and relaxed within it. Nothing is
+  /// refused, however far that is; WorldInfo::projected_position says how far particles went.
+  double length = 0;
   double mass = 0;      ///< Mass in kg; 0 is a massless link.
   double center = 0.5;  ///< Centre of its mass, as a fraction of the way from a to b.
   std::optional<double>
@@ -235,8 +238,9 @@ struct Torsion {
 };
 
 /// This is a shape: all that is within `radius` of the line between two places. It is a sphere if they are
-/// the same. If all its particles are fixed, it is ground that goes where they are moved.
-/// Friction turns it if both places are on one body or along one rod. A sphere on one particle does not turn.
+/// the same; sphere_at() makes one. What has no shape touches nothing, ground neither. If all its particles
+/// are fixed, it is ground that goes where they are moved. Friction turns it if both places are on one body
+/// or along one rod. A sphere on one particle does not turn.
 struct Capsule {
   Point a{};          ///< One end of the line.
   Point b{};          ///< The other end.
@@ -254,25 +258,6 @@ struct Hull {
   Filter filter{};             ///< What it may touch; its own island it never does.
 };
 
-/// This is solid ground: everything with normal·x < offset.
-struct Plane {
-  Vec3 normal{0, 1, 0};   ///< Unit vector out of the ground.
-  double offset = 0;      ///< Distance of the surface from the origin along the normal, in m.
-  Surface surface{};      ///< How it feels.
-  Filter filter{};        ///< What it may touch.
-  GroundMotion motion{};  ///< How it moves.
-};
-
-/// This is a solid box of the ground.
-struct Box {
-  Vec3 center{};                                  ///< Centre, in m.
-  Vec3 half_size{};                               ///< Half of its sides, in m.
-  std::array<double, 4> orientation{1, 0, 0, 0};  ///< Unit quaternion w, x, y, z.
-  Surface surface{};                              ///< How it feels.
-  Filter filter{};                                ///< What it may touch.
-  GroundMotion motion{};                          ///< How it moves.
-};
-
 /// Says how a rod's mass acts on its two ends.
 ///
 /// `lumped` puts point masses there, with the right centre of mass but the inertia of a dumbbell (the
@@ -286,7 +271,8 @@ struct Scene {
   Vec3 gravity{0, -9.81, 0};        ///< Acceleration, in m/s².
   double drag = 0;                  ///< Rate in 1/s; velocities decay as exp(-drag · t).
   /// An island loses all motion but that of a rigid whole at this rate, in 1/s. It acts as friction in all
-  /// joints alike, and keeps momentum and angular momentum.
+  /// joints alike, and keeps momentum and angular momentum. Without it, nothing brakes joints, and a figure
+  /// that goes on swinging does not sleep.
   double joint_drag = 0;
 
   std::vector<Bend> bends{};            ///< Bending stiffness between rods.

@@ -71,8 +71,10 @@ class Finder {
   };
 
   [[noreturn]] void refuse_island(const char* what) const {
-    refuse("particle ", particle_, ": its island ", what,
-           ", which method featherstone cannot move; multipliers, direct and auto can");
+    refuse(
+        "particle ", particle_, ": its island ", what,
+        ", which method featherstone cannot move; direct, multipliers and auto can, and relax where masses "
+        "lie in particles");
   }
 
   void find_owners() {

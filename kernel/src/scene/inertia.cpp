@@ -27,6 +27,20 @@ void require_size(const char* name, double size) {
   if (!(size > 0 && std::isfinite(size))) refuse(name, " must be positive and finite, got ", size, " m");
 }
 
+/// Returns what is symmetric about x and centred on the origin, turned so that its axis leads from a to b.
+MassProperties along(Vec3 a, Vec3 b, const MassProperties& solid) {
+  const Vec3 axis = (1 / norm(b - a)) * (b - a);
+  const double across = solid.inertia.yy, more = solid.inertia.xx - across;
+  return {.mass = solid.mass,
+          .center = 0.5 * (a + b),
+          .inertia = {.xx = across + more * axis.x * axis.x,
+                      .yy = across + more * axis.y * axis.y,
+                      .zz = across + more * axis.z * axis.z,
+                      .xy = more * axis.x * axis.y,
+                      .xz = more * axis.x * axis.z,
+                      .yz = more * axis.y * axis.z}};
+}
+
 }  // namespace
 
 MassProperties mass_properties(std::span<const PointMass> points) {
@@ -87,6 +101,14 @@ MassProperties solid_capsule(double mass, double radius, double length) {
                         caps * (to_cap * to_cap - (3 * radius / 8) * (3 * radius / 8));
   return {.mass = mass,
           .inertia = {.xx = cylinder.inertia.xx + sphere.inertia.xx, .yy = across, .zz = across}};
+}
+
+MassProperties solid_cylinder(double mass, double radius, Vec3 a, Vec3 b) {
+  return along(a, b, solid_cylinder(mass, radius, norm(b - a)));
+}
+
+MassProperties solid_capsule(double mass, double radius, Vec3 a, Vec3 b) {
+  return along(a, b, solid_capsule(mass, radius, norm(b - a)));
 }
 
 Inertia inertia_about(const MassProperties& body, Vec3 offset) {

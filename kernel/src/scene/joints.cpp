@@ -93,6 +93,10 @@ Point point_on_body(const Scene& scene, std::uint32_t body, Vec3 position) {
   return {.particles = particles, .weights = detail::Barycentric(corners).weights(position)};
 }
 
+Capsule sphere_at(const Point& center, double radius) {
+  return {.a = center, .b = center, .radius = radius};
+}
+
 Vec3 position_of(const Scene& scene, const Point& point) {
   Vec3 position;
   for (std::size_t k = 0; k < 4; ++k)

@@ -29,10 +29,22 @@ MessagePart::MessagePart(Vec3 place)
     : text_('(' + written_briefly(place.x) + ", " + written_briefly(place.y) + ", " +
             written_briefly(place.z) + ')') {}
 
-void throw_input_error(std::initializer_list<MessagePart> parts) {
+namespace {
+
+std::string joined(std::initializer_list<MessagePart> parts) {
   std::string message;
   for (const MessagePart& part : parts) message += part.text();
-  throw InputError(message);
+  return message;
+}
+
+}  // namespace
+
+void throw_input_error(std::initializer_list<MessagePart> parts) {
+  throw InputError(joined(parts));
+}
+
+void throw_unread(std::string_view setting, std::initializer_list<MessagePart> parts) {
+  throw UnreadSetting(setting, joined(parts));
 }
 
 }  // namespace plumb::detail

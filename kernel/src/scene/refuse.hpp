@@ -37,4 +37,14 @@ template <class... Parts>
   throw_input_error({MessagePart(parts)...});
 }
 
+[[noreturn]] void throw_unread(std::string_view setting, std::initializer_list<MessagePart> parts);
+
+/// Throws UnreadSetting: that nothing reads a setting, and the reason, whose parts are written likewise. The
+/// setting is named as a SettingRow names it.
+template <class... Parts>
+[[noreturn]] void refuse_unread(std::string_view setting, const Parts&... reason) {
+  throw_unread(setting, {MessagePart("nothing reads "), MessagePart(setting), MessagePart(": "),
+                         MessagePart(reason)...});
+}
+
 }  // namespace plumb::detail

@@ -108,6 +108,9 @@ void validate_capsule(const Scene& scene, std::size_t i) {
   const Capsule& capsule = scene.capsules[i];
   const std::string name = "capsule " + std::to_string(i);
   validate_point(scene, capsule.a, name + ", point a");
+  if (capsule.b.weights == std::array<double, 4>{})
+    refuse(name,
+           ", point b: has no weights; those of a sphere are those of point a, as sphere_at() has them");
   validate_point(scene, capsule.b, name + ", point b");
   if (!is_amount(capsule.radius))
     refuse(name, ": radius must be finite and not negative, got ", capsule.radius, " m");

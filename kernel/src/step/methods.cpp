@@ -17,27 +17,37 @@ constexpr SettingRow settings_table[] = {
     {Reads::omega, "omega", [](const Settings& s) { return s.omega != 1; }},
     {Reads::time_order, "time order", [](const Settings& s) { return s.time_order != 2; }},
     {Reads::accuracy, "accuracy", [](const Settings& s) { return s.accuracy.has_value(); }},
-    {Reads::sweeps, "sweeps", [](const Settings& s) { return s.stop.sweeps != StopRule{}.sweeps; }},
+    // What a tolerance or a budget needs is named before the sweeps that come along with it.
     {Reads::tolerance, "tolerance", [](const Settings& s) { return s.stop.tolerance.has_value(); }},
     {Reads::budget_us, "budget", [](const Settings& s) { return s.stop.budget_us.has_value(); }},
+    {Reads::sweeps, "sweeps", [](const Settings& s) { return s.stop.sweeps != StopRule{}.sweeps; }},
     {Reads::integrator, "integrator", [](const Settings& s) { return s.integrator.has_value(); }},
-    {Reads::springs, "springs", [](const Settings& s) { return s.springs != SpringSettings{}; }},
-    {Reads::multipliers, "multipliers",
-     [](const Settings& s) { return s.multipliers != MultiplierSettings{}; }},
+    {Reads::springs, "springs", [](const Settings& s) { return s.springs.model != SpringSettings{}.model; }},
+    {Reads::stiffness, "stiffness",
+     [](const Settings& s) { return s.springs.stiffness != SpringSettings{}.stiffness; }},
+    {Reads::damping_ratio, "damping ratio",
+     [](const Settings& s) { return s.springs.damping_ratio != SpringSettings{}.damping_ratio; }},
+    {Reads::stabilization, "stabilization",
+     [](const Settings& s) { return s.multipliers.stabilization != MultiplierSettings{}.stabilization; }},
+    {Reads::baumgarte_rate, "baumgarte rate",
+     [](const Settings& s) { return s.multipliers.baumgarte_rate != MultiplierSettings{}.baumgarte_rate; }},
+    {Reads::most_work, "most work", [](const Settings& s) { return s.most_work != Settings{}.most_work; }},
     {Reads::sleep, "sleep", [](const Settings& s) { return !s.sleep; }},
+    {Reads::sleep_time, "sleep time",
+     [](const Settings& s) { return s.sleep_time != Settings{}.sleep_time; }},
     {Reads::contact, "contact", [](const Settings& s) { return s.contact != ContactSettings{}; }},
     {Reads::tensions, "tensions", [](const Settings& s) { return s.tensions; }},
     {Reads::contacts, "contacts", [](const Settings& s) { return s.contacts; }},
     {Reads::layout, "layout", [](const Settings& s) { return s.layout != LayoutChoice::automatic; }},
 };
 
+constexpr Reads common_reads =
+    Reads::sleep | Reads::sleep_time | Reads::contact | Reads::tensions | Reads::contacts | Reads::most_work;
 constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
-constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
-                              Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
-                              Reads::contact | Reads::tensions | Reads::contacts | Reads::layout;
-constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
-                               Reads::tolerance | Reads::sleep | Reads::contact | Reads::tensions |
-                               Reads::contacts;
+constexpr Reads relax_reads = common_reads | stop_rule | Reads::precision | Reads::gradient | Reads::mass |
+                              Reads::weights | Reads::order | Reads::omega | Reads::accuracy | Reads::layout;
+constexpr Reads direct_reads =
+    common_reads | Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy | Reads::tolerance;
 
 void validate_relax(const Settings& settings) {
   if (settings.mass == MassModel::consistent)

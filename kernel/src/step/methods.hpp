@@ -27,12 +27,17 @@ enum class Reads : std::uint32_t {
   budget_us = 1u << 10,
   integrator = 1u << 11,
   springs = 1u << 12,
-  multipliers = 1u << 13,
+  stabilization = 1u << 13,
   sleep = 1u << 14,
   layout = 1u << 15,
   contact = 1u << 16,
   tensions = 1u << 17,
   contacts = 1u << 18,
+  most_work = 1u << 19,
+  sleep_time = 1u << 20,
+  stiffness = 1u << 21,
+  damping_ratio = 1u << 22,
+  baumgarte_rate = 1u << 23,
 };
 constexpr Reads operator|(Reads a, Reads b) {
   return static_cast<Reads>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

@@ -50,8 +50,8 @@ void validate_reads(const Settings& settings, const detail::MethodRow& method) {
     std::string readers;
     for (const detail::MethodRow& other : detail::method_rows())
       if (contains(other.reads, row.id)) readers += (readers.empty() ? "" : ", ") + std::string(other.name);
-    refuse("method ", method.name, " does not read ", row.name, "; it is read by ",
-           readers.empty() ? "no method of this program" : readers);
+    detail::throw_unread(row.name, {"method ", method.name, " does not read ", row.name, "; it is read by ",
+                                    readers.empty() ? "no method of this program" : readers});
   }
 }
 

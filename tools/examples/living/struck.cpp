@@ -7,19 +7,15 @@
 #include <cstdio>
 #include <plumb/plumb.hpp>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace {
 
 constexpr plumb::Vec3 up{0, 0.2, 0}, across{0, 0, 0.2};
 
-/// Adds a limb between two places along x or y, and returns its body.
+/// Adds a limb between two places, and returns its body.
 std::uint32_t add_limb(plumb::Scene& scene, plumb::Vec3 from, plumb::Vec3 to, double mass, double radius) {
-  plumb::MassProperties solid = plumb::solid_cylinder(mass, radius, norm(to - from));
-  if (to.y != from.y) std::swap(solid.inertia.xx, solid.inertia.yy);  // The cylinder's axis is x.
-  solid.center = 0.5 * (from + to);
-  return plumb::add_body(scene, solid);
+  return plumb::add_body(scene, plumb::solid_cylinder(mass, radius, from, to));
 }
 
 /// Joins two limbs by a hinge across the sagittal plane, with a drive that seeks the pose of now.

@@ -1,5 +1,6 @@
 #include "scenes/files/scene_json.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -7,6 +8,7 @@
 
 #include "plumb/error.hpp"
 #include "scenes/basics/lists.hpp"
+#include "scenes/basics/nearest.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -60,13 +62,10 @@ Object::Object(const json& value, std::string path, std::initializer_list<const 
   if (!value.is_object())
     refuse(path_.empty() ? "the scene" : path_, "must be an object, not " + kind_of(value));
   for (const auto& item : value.items()) {
-    bool found = false;
-    std::string list;
-    for (const char* key : known) {
-      found = found || item.key() == key;
-      append_item(list, key);
-    }
-    if (!found) refuse(join(path_, item.key().c_str()), "is not a known key; known are " + list);
+    if (std::find(known.begin(), known.end(), item.key()) != known.end()) continue;
+    const std::vector<std::string> list(known.begin(), known.end());
+    refuse(join(path_, item.key().c_str()),
+           "is not a known key; known are " + joined(list) + did_you_mean(item.key(), list));
   }
 }
 

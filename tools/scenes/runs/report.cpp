@@ -31,11 +31,12 @@ Json skipped_json(const RunResult& result) {
 /// Returns the method that was asked for, or what `auto` picked, if it picked the same for all.
 Method method_of(const RunPlan& plan, const RunResult& result) {
   const Method asked = plan.settings.method;
-  return asked != Method::automatic      ? asked
-         : result.info.linkages > 0      ? Method::direct
-         : result.info.direct_rods == 0  ? Method::relax
-         : result.info.relaxed_rods == 0 ? Method::direct
-                                         : asked;
+  const bool relaxes_crowds = result.info.relaxed_rods == 0 && result.total.rod_projections > 0;
+  return asked != Method::automatic || relaxes_crowds ? asked
+         : result.info.linkages > 0                   ? Method::direct
+         : result.info.direct_rods == 0               ? Method::relax
+         : result.info.relaxed_rods == 0              ? Method::direct
+                                                      : asked;
 }
 
 Json problems_json(const RunResult& result) {

@@ -238,7 +238,24 @@ Settings readable(const Settings& settings) {
   if (!reads("tolerance")) out.stop.tolerance.reset();
   if (!reads("accuracy")) out.accuracy.reset();
   if (!reads("tensions")) out.tensions = false;
+  if (!reads("most work")) out.most_work = Settings{}.most_work;
+  if (!reads("sleep time")) out.sleep_time = Settings{}.sleep_time;
   return out;
+}
+
+bool forget(Settings& settings, std::string_view setting) {
+  const Settings usual;
+  if (setting == "weights")
+    settings.weights = usual.weights;
+  else if (setting == "order")
+    settings.order = usual.order;
+  else if (setting == "sweeps")
+    settings.stop.sweeps = usual.stop.sweeps;
+  else if (setting == "tolerance")
+    settings.stop.tolerance.reset();
+  else
+    return false;
+  return true;
 }
 
 std::vector<Comparison> comparisons() {

@@ -26,6 +26,8 @@ void read_setting(Settings& settings, std::string_view name, std::string_view te
 /// Returns settings without what their method does not read, so that moving from one method to another and
 /// back keeps what was chosen for each.
 Settings readable(const Settings& settings);
+/// Sets a setting of the page back that nothing of a scene reads. Returns whether it is one.
+bool forget(Settings& settings, std::string_view setting);
 
 /// A side is one of the worlds that start alike and are compared.
 struct SideStart {

@@ -42,6 +42,17 @@ double mean_mass(const Scene& scene) {
   return count > 0 && sum > 0 ? sum / count : 1;
 }
 
+/// Makes a world without settings that nothing of the scene reads. The page keeps them for other methods.
+std::unique_ptr<World> make_world(const Scene& scene, Settings settings) {
+  for (;;) {
+    try {
+      return std::make_unique<World>(scene, settings);
+    } catch (const UnreadSetting& error) {
+      if (!forget(settings, error.setting())) throw;
+    }
+  }
+}
+
 }  // namespace
 
 std::uint32_t end_particle(const Scene& scene) {
@@ -53,7 +64,7 @@ std::uint32_t end_particle(const Scene& scene) {
 Side::Side(SideStart start, const Scene& scene)
     : start_(std::move(start)),
       scene_(with_lengths(scene)),
-      world_(std::make_unique<World>(scene, for_world(start_.settings))),
+      world_(make_world(scene, for_world(start_.settings))),
       rod_numbers_(numbered(scene.rods.size())),
       rods_of_world_(rod_numbers_),
       islands_(find_islands(scene, rod_numbers_)),
@@ -86,7 +97,7 @@ void Side::rebuild(const Scene& scene, const Settings& settings) {
   std::vector<std::uint8_t> asleep = asleep_;
   asleep.resize(scene.particles.size());
   Carried carried = carry(scene, *world_, {rod_numbers_, asleep});
-  world_ = std::make_unique<World>(carried.scene, for_world(settings));
+  world_ = make_world(carried.scene, for_world(settings));
   time_stages();
   start_.settings = settings;
   scene_ = scene;

@@ -8,9 +8,28 @@
 #include "plumb/vec3.hpp"
 
 /// @file
-/// This file lists ground beside planes and boxes: solids and surfaces that do not move. validate() says what
-/// is refused of them.
+/// This file lists ground: what shapes touch and do not push away. Planes and boxes may move, and the other
+/// solids and surfaces do not. validate() says what is refused of them.
 namespace plumb {
+
+/// This is solid ground: everything with normal·x < offset.
+struct Plane {
+  Vec3 normal{0, 1, 0};   ///< Unit vector out of the ground.
+  double offset = 0;      ///< Distance of the surface from the origin along the normal, in m.
+  Surface surface{};      ///< How it feels.
+  Filter filter{};        ///< What it may touch.
+  GroundMotion motion{};  ///< How it moves.
+};
+
+/// This is a solid box of the ground.
+struct Box {
+  Vec3 center{};                                  ///< Centre, in m.
+  Vec3 half_size{};                               ///< Half of its sides, in m.
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< Unit quaternion w, x, y, z.
+  Surface surface{};                              ///< How it feels.
+  Filter filter{};                                ///< What it may touch.
+  GroundMotion motion{};                          ///< How it moves.
+};
 
 /// This is a solid capsule: all that is within `radius` of the line from a to b. It is a sphere if they are
 /// the same.

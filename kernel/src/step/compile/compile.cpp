@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include "scene/scene_graph.hpp"
 #include "step/compile/choose_method.hpp"
 #include "step/compile/compiled.hpp"
+#include "step/compile/requirements.hpp"
 #include "step/methods.hpp"
 
 namespace plumb::detail {
@@ -25,15 +25,6 @@ struct Share {
   Choice choice;
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
-
-/// Returns whether a body's mass matrix has nothing between its particles.
-bool has_point_masses(const Scene& scene, std::size_t body) {
-  const auto mass = body_mass(scene, body);
-  for (std::size_t j = 0; j < 4; ++j)
-    for (std::size_t k = 0; k < j; ++k)
-      if (!(std::abs(mass[j][k]) <= 1e-9 * scene.bodies[body].mass)) return false;
-  return true;
-}
 
 class Compiler {
  public:
@@ -47,13 +38,15 @@ class Compiler {
         elements_(scene, islands_) {}
 
   Compiled make() {
-    require_laws_moved();
-    require_springs_moved();
+    require_laws_moved(scene_, settings_);
+    require_springs_moved(scene_, settings_.method);
     if (needs_contact_stage(scene_)) make_contact();
     require_elements_moved();
     const std::vector<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
-    return make_from(shares);
+    Compiled out = make_from(shares);
+    if (!reads_stop_rule(out)) require_tolerance_read(settings_);
+    return out;
   }
 
   Compiled make_parts(const Compiled& whole) {
@@ -62,8 +55,8 @@ class Compiler {
   }
 
   Compiled make_addition(const Compiled& whole) {
-    require_laws_moved();
-    require_springs_moved();
+    require_laws_moved(scene_, settings_);
+    require_springs_moved(scene_, settings_.method);
     if (needs_contact_stage(scene_)) leave_to_contact(whole);
     require_elements_moved();
     start_ = {.relaxed_rods = whole.info.relaxed_rods, .kinds = whole.kinds};
@@ -71,6 +64,13 @@ class Compiler {
   }
 
  private:
+  /// Returns whether a solver reads the rule that it was made with.
+  bool reads_stop_rule(const Compiled& compiled) const {
+    bool is_read = false;
+    for (const auto& solver : compiled.solvers) is_read = solver->set_stop_rule(settings_.stop) || is_read;
+    return is_read;
+  }
+
   void make_contact() {
     const SceneParts parts(scene_);
     if (method_row(settings_.method).make_jointed) return make_jointed(parts);
@@ -90,7 +90,7 @@ class Compiler {
       if (!first) first = parts.particles(p).front();
       require_no_elements(parts.particles(p));
       if (plain) continue;
-      require_joints_moved(parts.part(p), parts.particles(p).front());
+      require_joints_moved(parts.part(p), parts.particles(p), settings_);
       leave_out(parts.particles(p));
     }
     return first;
@@ -113,7 +113,8 @@ class Compiler {
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (!parts.part(p).capsules.empty() || !parts.part(p).hulls.empty())
         refuse("particle ", parts.particles(p).front(), ": its island has shapes, and method ",
-               to_string(settings_.method), " lets nothing touch; relax, direct and auto do");
+               to_string(settings_.method), " lets nothing touch; ",
+               methods_that([](const MethodRow& row) { return row.moves_joints; }), " do");
       if (is_plain(parts.part(p))) continue;
       require_no_elements(parts.particles(p));
       leave_out(parts.particles(p));
@@ -126,14 +127,6 @@ class Compiler {
     ++out_.info.islands;
     for (const std::uint32_t particle : particles)
       if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
-  }
-
-  /// Refuses springs and torsions where the method does not know them.
-  void require_springs_moved() const {
-    if (method_row(settings_.method).moves_joints || method_row(settings_.method).make_jointed) return;
-    const char* const what = !scene_.springs.empty() ? "spring" : !scene_.torsions.empty() ? "torsion" : "";
-    if (*what != 0)
-      refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what, "s; direct and auto do");
   }
 
   /// Refuses elements in an island with joints or shapes, but for bends.
@@ -171,67 +164,14 @@ class Compiler {
     if (!scene_.reels.empty()) require_moved("reel", 0, "");
   }
   void require_moved(const char* name, std::size_t i, const char* why) const {
-    if (!method_row(settings_.method).moves_elements)
-      refuse(name, " ", i, ": method ", to_string(settings_.method), " moves no ", name,
-             "s; direct and auto do");
-    if (settings_.gradient == Gradient::old)
-      refuse(name, " ", i, ": gradient old moves no ", name, "s", why, "; mid and new do");
-  }
-
-  /// Refuses what relaxation does not move of an island with joints.
-  static void require_relaxed(const Scene& part, std::uint32_t particle) {
-    const auto refuse_it = [&](const char* what, const char* why) {
-      refuse("particle ", particle, ": its island has ", what, ", which method relax cannot move", why,
-             "; direct and auto can");
-    };
-    const auto has_air = [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; };
-    if (std::any_of(part.rods.begin(), part.rods.end(), has_air)) refuse_it("air on rods", "");
-    for (std::size_t i = 0; i < part.bodies.size(); ++i)
-      if (!has_point_masses(part, i))
-        refuse_it("a body whose mass does not lie in its four particles",
-                  ": add_body() makes one that relaxation moves");
-  }
-
-  /// Refuses a setting that cannot move an island with joints.
-  void require_joints_moved(const Scene& part, std::uint32_t particle) const {
-    if (settings_.method == Method::relax) return require_relaxed(part, particle);
-    const char* const why =
-        ": its island has bodies, joints, springs, air on rods, drag of joints, sleepers, or shapes and rods "
-        "that give, which ";
-    const auto of = [&] { return "particle " + std::to_string(particle) + why; };
-    if (!method_row(settings_.method).moves_joints)
-      refuse(of(), "method ", to_string(settings_.method), " cannot move; direct and auto can");
-    if (settings_.mass == MassModel::lumped)
-      refuse(of(), "mass lumped does not know: bodies need their inertia");
-  }
-
-  /// Refuses rods that give where the method or its time order moves rigid ones alone.
-  void require_laws_moved() const {
-    const bool moves = method_row(settings_.method).moves_laws;
-    for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
-      if (scene_.rods[i].law.is_rigid()) continue;
-      if (!moves)
-        refuse("rod ", i, ": gives, which method ", to_string(settings_.method),
-               " cannot move; relax, direct and auto can");
-      if (settings_.time_order > 2 && scene_.rods[i].law.damping > 0)
-        refuse("rod ", i, ": is damped, which time order ", settings_.time_order,
-               " cannot move, since it goes backwards in between; 2 can");
-    }
+    require_element_moved(settings_, name, i, why);
   }
 
   /// Refuses settings of relaxation if method automatic relaxes no island.
   void require_settings_read(std::span<const Share> shares) const {
     const auto is_relaxed = [](const Share& share) { return share.choice.method == Method::relax; };
-    if (std::any_of(shares.begin(), shares.end(), is_relaxed)) return;
-    constexpr Reads of_relaxation =
-        Reads::weights | Reads::order | Reads::omega | Reads::sweeps | Reads::budget_us | Reads::layout;
-    for (const SettingRow& row : setting_rows())
-      // A cap on sweeps is allowed if it comes with a tolerance, because direct solves of nets read the
-      // tolerance.
-      if (contains(of_relaxation, row.id) && row.is_set(settings_) &&
-          !(row.id == Reads::sweeps && settings_.stop.tolerance))
-        refuse("nothing reads ", row.name, ": method auto solves every island of this scene directly",
-               contact_ ? ", or relaxes what touches as it sees fit" : "", "; method relax reads it");
+    if (std::none_of(shares.begin(), shares.end(), is_relaxed))
+      require_read_by_direct(settings_, contact_ != nullptr);
   }
 
   Compiled make_from(std::span<const Share> shares) {
