@@ -31,7 +31,7 @@ class SubstepCosts {
   /// Takes note of what a step of so many substeps took, us. One that was cut short would have taken longer.
   void took(std::uint32_t substeps, double us, bool was_cut) {
     const Cost& last = costs_[(count_ + costs_.size() - 1) % costs_.size()];
-    if (count_ > 0 && last.substeps != substeps && last.us > 0) {
+    if (count_ > 0 && last.substeps != substeps && last.us > 0 && us > 0) {
       const double before = share_;
       share_ += learns * (share_between(last, {us, substeps, was_cut}) - share_);
       if (std::abs(share_ - before) >= noticed)
@@ -40,6 +40,7 @@ class SubstepCosts {
         patience_ = std::min(2 * patience_, most_patience);
       calm_ = 0;
     }
+    if (is_trial_) calm_ = 0;
     is_trial_ = false;
     costs_[count_ % costs_.size()] = {us, substeps, was_cut};
     ++count_;

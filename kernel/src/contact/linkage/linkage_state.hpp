@@ -66,7 +66,7 @@ struct LinkageState : LinkageMotion {
   std::uint32_t number;               ///< the island's number
   Gradient gradient = Gradient::old;  ///< where it is solved
   bool factored = false;
-  bool is_pushed_out = false;           ///< contacts took back overlaps in the last substep, beyond the slop
+  bool is_pushed_out = false;           ///< solved contacts took back overlaps in the last substep
   std::vector<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
   std::vector<double> wave_inertia;  ///< kg, of taut rods in the substep under way; see find_wave_inertia()
 

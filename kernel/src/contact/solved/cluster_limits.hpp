@@ -136,7 +136,7 @@ inline constexpr double most_overshoot = 0.5;
 /// Overlaps that contradict each other, as of two figures in one place, end as far as they agree. Sweeps keep
 /// the first share of what pushes them apart, so that one alone ends half as fast, and the second of what
 /// keeps them from becoming deeper. With all of that a frame of ten figures in one place took 13 s.
-inline constexpr double yielding = 0.5, sinking = 0.95;
+inline constexpr double yielding = 0.5, yielding_deeper = 0.95;
 /// Contacts in the matrix are solved once their pushes lack no more than this share of the largest. A larger
 /// share takes fewer corrections and leaves other velocities.
 inline constexpr double ground_enough = 1e-7;

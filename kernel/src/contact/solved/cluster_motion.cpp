@@ -134,7 +134,7 @@ void ClusterStepper::bounce(double h) {
     }
     const double till = is_last ? enough : std::max(enough, rough * left);
     int sweeps = 0;
-    left = sweep_on<&Row::q>(till, most_sweeps, sweeps);
+    sweep_on<&Row::q>(till, most_sweeps, sweeps);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
@@ -243,9 +243,9 @@ double ClusterStepper::work_of_recovery() const {
 // Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
 // new velocities still apart, in Island::v.
 //
-// It returns false if more energy was gained than there is motion and than was given to lift things. If no
-// shorter substep is to be tried, all motion stops instead but what is common to what flies.
-bool ClusterStepper::guard_energy(double before, double given, bool touched, bool can_shorten,
+// It returns false if more energy was gained than there is motion, and than ending overlaps may have lifted.
+// If no shorter substep is to be tried, all motion stops instead but what is common to what flies.
+bool ClusterStepper::guard_energy(double before, double recovered, bool touched, bool can_shorten,
                                   Tally& report) {
   if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its height
@@ -282,7 +282,7 @@ bool ClusterStepper::guard_energy(double before, double given, bool touched, boo
   if (square >= 0.25 && square <= 1.5) {
     scale_loose_motion(std::sqrt(square));
   } else if (excess > (free ? let_be * moving : 0)) {
-    const bool lifts = excess > moving + given + unnoticed * weight;
+    const bool lifts = excess > moving + recovered + unnoticed * weight;
     if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
     slow_all(excess, moving);
@@ -291,7 +291,7 @@ bool ClusterStepper::guard_energy(double before, double given, bool touched, boo
   }
   // In flight it is given back as often as it is taken. What rests gains shares of next to nothing.
   if (excess > 0 && !free) {
-    const bool is_of_contact = touched && excess > gained * moving + given + unnoticed * weight;
+    const bool is_of_contact = touched && excess > gained * moving + recovered + unnoticed * weight;
     ++(is_of_contact ? report.guarded_energy : report.trimmed_energy);
   }
   return true;

@@ -262,8 +262,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (touched && surroundings.may_move()) before += work_of_ground(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  const double given = touched ? work_of_recovery() : 0;
-  if (!guard_energy(before, given, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
+  const double recovered = touched ? work_of_recovery() : 0;
+  if (!guard_energy(before, recovered, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
     take_back();
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     tries_again_ = touched && !tight_;

@@ -101,7 +101,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
-  bool have_sunk();
+  bool have_sunk(double h);
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
@@ -239,13 +239,13 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
-  double holding(const Row& row, double whole, double u) const;
+  double wanted(const Row& row, double whole, double u) const;
   /// Whether a sweep pushes or only says how far it would.
   enum class Sweep : std::uint8_t { pushes, looks };
   template <double Row::*of, Sweep sweep>
   double set(Row& row, double value);
   template <double Row::*of, Sweep sweep>
-  double contact(std::size_t r, double normal, double most);
+  double contact(std::size_t r, double wanted, double kept);
   template <double Row::*of, Sweep sweep>
   double roll(std::size_t r, double most);
   void apply(Island& island, std::span<Vec3> motion);
@@ -285,9 +285,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
-  /// `before` (J) is the energy before the substep, and what moving ground has added since. `given` (J) is
-  /// what may have lifted things without motion.
-  bool guard_energy(double before, double given, bool touched, bool can_shorten, Tally& report);
+  /// `before` (J) is the energy before the substep, and what moving ground has added since. `recovered` (J)
+  /// is what ending overlaps may have lifted.
+  bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double elastic_energy() const;
   double weight() const;

@@ -98,16 +98,15 @@ double ClusterStepper::set(Row& row, double value) {
   return std::abs(by) * row.own;
 }
 
-/// Sets the normal push of the contact whose rows start at `r`, and the pushes against sliding, to what the
-/// normal row asks for alone, or to a part of the way. `kept` is the share of all that stays.
+/// Sets the pushes of the contact whose rows start at `r`: on to what its normal alone asks for, which may be
+/// a pull that lets go, or a part of the way. `kept` is the share that stays of what holds against sliding.
 ///
-/// What slides is pushed along the edge of Coulomb's cone: more normal push brings more friction. Where that
-/// moves the place by e along the normal for each that the normal push does, a whole step overshoots by e.
-/// Beyond 1 steps go back and forth for ever, and with momentum beyond a third.
+/// What slides is pushed along the edge of Coulomb's cone: more normal push brings more friction. That may
+/// move the place along the normal, too, by e times as much as the normal push does. A whole step then
+/// overshoots by e. Beyond 1 steps go back and forth for ever, and with momentum beyond a third.
 template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
-double ClusterStepper::contact(std::size_t r, double normal, double kept) {
+double ClusterStepper::contact(std::size_t r, double wanted, double kept) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
-  double by0 = normal - n.*of;
   // The normal push also moves the other two rows. What does not depend on it is computed first, so that the
   // processor need not wait.
   const double first_alone = s.*of - s.over * slide<of>(s), second_alone = t.*of - t.over * slide<of>(t);
@@ -116,11 +115,10 @@ double ClusterStepper::contact(std::size_t r, double normal, double kept) {
   if (square > most_now * most_now) {
     const double along = n.across[0] * s.own * first_alone + n.across[1] * t.own * second_alone;
     const double overshoot = n.bound * along / std::sqrt(square);
-    if (overshoot > (has_momentum_ ? 0 : most_overshoot) * n.own) {
-      by0 *= n.own / (n.own + overshoot);
-      normal = n.*of + by0;
-    }
+    if (overshoot > (has_momentum_ ? 0 : most_overshoot) * n.own)
+      wanted = n.*of + n.own / (n.own + overshoot) * (wanted - n.*of);
   }
+  const double normal = std::max(0.0, wanted), by0 = normal - n.*of;
   double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
   into_disk(first, second, n.bound * normal);
   const double by1 = first - s.*of, by2 = second - t.*of;
@@ -143,11 +141,11 @@ double ClusterStepper::roll(std::size_t r, double most) {
   return std::max(worst, set<of, sweep>(t, second));
 }
 
-/// Returns what holds a normal or a limit that sees u, if `whole` would end its overlap. One that yields
-/// becomes hardly deeper.
-double ClusterStepper::holding(const Row& row, double whole, double u) const {
-  if (row.gap >= 0 || kept_of_overlaps_ == 1) return std::max(0.0, whole);
-  return std::max({0.0, kept_of_overlaps_ * whole, sinking * (row.p - row.over * u)});
+/// Returns what a normal or a limit that sees u asks for, where `whole` would end its overlap. One that
+/// yields becomes hardly deeper.
+double ClusterStepper::wanted(const Row& row, double whole, double u) const {
+  if (row.gap >= 0 || kept_of_overlaps_ == 1) return whole;
+  return std::max(kept_of_overlaps_ * whole, yielding_deeper * (row.p - row.over * u));
 }
 
 // A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
@@ -163,8 +161,8 @@ double ClusterStepper::sweep_positions() {
     switch (row.kind) {
       case Kind::normal: {
         const double kept = row.gap < 0 ? kept_of_overlaps_ : 1;
-        const double normal = holding(row, row.p - row.over * row.gap - row.over * u, u);
-        if (normal > 0 || row.p != 0) worst = std::max(worst, contact<&Row::p, sweep>(r, normal, kept));
+        const double to = wanted(row, row.p - row.over * row.gap - row.over * u, u);
+        if (to > 0 || row.p != 0) worst = std::max(worst, contact<&Row::p, sweep>(r, to, kept));
         r += 2;
         continue;
       }
@@ -179,7 +177,7 @@ double ClusterStepper::sweep_positions() {
         break;
       }
       case Kind::limit:
-        p = holding(row, row.p - row.over * (u + row.gap), u);
+        p = std::max(0.0, wanted(row, row.p - row.over * (u + row.gap), u));
         break;
       case Kind::brake:
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
@@ -199,8 +197,8 @@ double ClusterStepper::sweep_velocities() {
     switch (row.kind) {
       case Kind::normal:
         if (row.p > 0) {
-          const double normal = std::max(0.0, row.q - row.over * (slide<&Row::q>(row) - row.bounce));
-          worst = std::max(worst, contact<&Row::q, sweep>(r, normal, 1));
+          const double to = row.q - row.over * (slide<&Row::q>(row) - row.bounce);
+          worst = std::max(worst, contact<&Row::q, sweep>(r, to, 1));
         }
         r += 2;
         continue;
@@ -255,8 +253,8 @@ void ClusterStepper::go_on(double share) {
 /// Returns the last change.
 ///
 /// Sweeps alone carry a push through a pile in about the square of as many as it has layers. From the first
-/// few on they go on the way they went, by Nesterov's momentum (Soviet Mathematics Doklady 27, 1983, 372),
-/// which begins anew where they turn back (O'Donoghue and Candès 2015).
+/// few on they have Nesterov's momentum (Soviet Mathematics Doklady 27, 1983, 372). It begins anew where
+/// pushes turn back (O'Donoghue and Candès 2015).
 template <double ClusterStepper::Row::*of>
 double ClusterStepper::sweep_on(double till, int most, int& sweeps) {
   double left = INFINITY, pace = 1;

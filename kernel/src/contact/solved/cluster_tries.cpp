@@ -27,10 +27,10 @@ bool is_line(std::span<LinkageState* const> cluster) {
 
 }  // namespace
 
-/// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, with
-/// overlaps that yield to each other, halved twice, with a loose grip, relaxed, and then halved on. Returns
-/// its length. It is 0 if nothing was found: what cannot be solved stays where it is, and keeps what motion
-/// is common to it.
+/// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
+/// twice, with a loose grip, and relaxed. Then it is tried whole again, with ground that is swept and with
+/// overlaps that yield to each other, and at last halved on. Returns its length. It is 0 if nothing was
+/// found: what cannot be solved stays where it is, and keeps what motion is common to it.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
@@ -63,7 +63,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     h /= 2;
     ++report.halvings;
     // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
-    may_sink_ = !is_lone || h < least_sunk * whole;
+    may_sink_ = !is_lone || h < std::max(least_sunk * whole, least / 16);
     const double relaxed = sinks_ ? h : whole;
     if (h < few_cuts * whole && overload_.state == nullptr && any_touch() && !any_bends() &&
         relax(cluster, surroundings, 1, relaxed, report)) {
@@ -140,7 +140,7 @@ bool ClusterStepper::any_touch() const {
 bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
   std::size_t touching = 0;
   for (const LinkageState* const state : cluster) {
-    if (state->relax_for > 0) return true;
+    if (state->relax_for > 0 && !is_line(cluster)) return true;
     const bool is_net = has_loops(*state->linkage);
     for (const KeptContact& each : state->kept)
       touching += is_net ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
@@ -337,12 +337,13 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
   const bool fits = bring_to_lengths(surroundings);
-  const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk()));
+  const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
   if (fits && !sinks) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
+      state->is_pushed_out = false;
       state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;

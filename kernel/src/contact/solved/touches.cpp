@@ -1,8 +1,9 @@
-// This file finds where islands touch ground that is not a plane, and where their hulls touch others.
+// This file finds where islands touch ground that is not a plane, how deep they are in any, and where their
+// hulls touch others.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/ground/placed_hulls.hpp"
@@ -237,20 +238,26 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   return is_deeper;
 }
 
-/// Returns whether what is relaxed lies deeper in ground than in before_.
-bool ClusterStepper::have_sunk() {
-  double now = 0, was = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    if (!islands_[i].awake) continue;
-    LinkageState& state = *islands_[i].state;
-    find_depths(i);
-    now = std::max(now, deepest_);
-    std::swap(state.x, before_[i].x);
-    find_depths(i);
-    was = std::max(was, deepest_);
-    std::swap(state.x, before_[i].x);
-  }
-  return now > was + settings_.tolerance;
+/// Returns whether what was relaxed for h (s) lies deeper in ground than in before_.
+bool ClusterStepper::have_sunk(double h) {
+  const auto deepest = [&] {
+    double out = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (!islands_[i].awake) continue;
+      find_depths(i);
+      out = std::max(out, deepest_);
+    }
+    return out;
+  };
+  const auto swap_places = [&] {
+    for (std::uint32_t i = 0; i < count_; ++i) std::swap(islands_[i].state->x, before_[i].x);
+  };
+  swap_places();
+  ground_.find(*surroundings_, now_);
+  const double was = deepest();
+  swap_places();
+  ground_.find(*surroundings_, now_ + h);
+  return deepest() > was + settings_.tolerance;
 }
 
 }  // namespace plumb::detail
