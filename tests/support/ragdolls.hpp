@@ -1,20 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 
 #include "plumb/plumb.hpp"
 
 namespace plumb::test {
 
-/// Adds a limb of a ragdoll: a solid capsule between two places (m) in one line along an axis.
+/// Adds a limb of a ragdoll: a solid capsule between two places (m).
 inline std::uint32_t add_limb(Scene& scene, Vec3 from, Vec3 to, double mass, double radius) {
-  const Vec3 along = to - from;
-  MassProperties solid = solid_capsule(mass, radius, norm(along));
-  if (along.y != 0) std::swap(solid.inertia.xx, solid.inertia.yy);  // The capsule's axis is x.
-  if (along.z != 0) std::swap(solid.inertia.xx, solid.inertia.zz);
-  solid.center = 0.5 * (from + to);
-  const std::uint32_t body = add_body(scene, solid);
+  const std::uint32_t body = add_body(scene, solid_capsule(mass, radius, from, to));
   scene.capsules.push_back(
       {.a = point_on_body(scene, body, from), .b = point_on_body(scene, body, to), .radius = radius});
   return body;

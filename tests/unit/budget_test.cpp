@@ -234,7 +234,8 @@ TEST(Budgets, ThatDoNotSufficeTakeFewerSubsteps) {
         const StepReport report = world.step(frame);
         EXPECT_EQ(report.substeps, 1u);
         EXPECT_GE(report.asked_us, report.step_us);
-        if (k == 0) EXPECT_DOUBLE_EQ(report.asked_us, 8 * report.step_us);  // Nothing else is known yet.
+        if (k > 0) continue;
+        EXPECT_DOUBLE_EQ(report.asked_us, 8 * report.step_us) << "nothing else is known yet";
       }
       world.set_budget({});
       const StepReport report = world.step(frame);

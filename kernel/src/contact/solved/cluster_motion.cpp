@@ -229,13 +229,31 @@ double ClusterStepper::height_of(const Island& island) {
   return std::max(island.state->linkage->size(), high / norm(g));
 }
 
-/// Returns the work (J) of what ends overlaps in the substep, which lifts what lies in something.
+/// Returns by how much a row has opened in the substep, in m or rad.
+double ClusterStepper::opened(const Row& row) const {
+  double out = -row.given;
+  for (std::uint32_t k = 0; k < row.ends; ++k) {
+    const Island& island = islands_[row.island[k]];
+    const Side& side = island.sides[row.side[k]];
+    out += dot(side.along_a, island.of(side.a, island.d)) + dot(side.along_b, island.of(side.b, island.d));
+  }
+  return out;
+}
+double ClusterStepper::opened(const Island& island, const GroundContact& contact) {
+  return dot(contact.normal, contact.at.of(island.d) - contact.carried);
+}
+
+/// Returns the work (J) of what has ended overlaps in the substep, which lifts what lies in something.
 double ClusterStepper::work_of_recovery() const {
   double sum = 0;
-  for (const Row& row : rows_) sum += row.p * std::max(0.0, -row.gap) / islands_[row.island[0]].kick;
+  for (const Row& row : rows_)
+    if (row.p > 0 && row.gap < 0)
+      sum += row.p * std::clamp(opened(row), 0.0, -row.gap) / islands_[row.island[0]].kick;
   for (std::uint32_t i = 0; i < count_; ++i)
     islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3) {
-      sum += dot(position, contact.normal) * std::max(0.0, -contact.gap) / islands_[i].kick;
+      const double most = std::max(0.0, -contact.gap);
+      sum += dot(position, contact.normal) * std::clamp(opened(islands_[i], contact), 0.0, most) /
+             islands_[i].kick;
     });
   return sum;
 }
@@ -343,23 +361,14 @@ void ClusterStepper::keep_contacts(double h) {
 void ClusterStepper::find_pushed_out(double h) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->is_pushed_out = false;
   const double enough = -std::min(1.0, h * recovery_rate_) * std::max(settings_.slop, settings_.tolerance);
-  const auto opens = [](double gap, double moved) { return moved > -0.5 * gap; };
+  const auto opens = [](double gap, double by) { return by > -0.5 * gap; };
   for (const Row& row : rows_) {
-    if (row.kind != Kind::normal || row.p <= 0 || row.gap >= enough) continue;
-    double moved = -row.given;
-    for (std::uint32_t k = 0; k < row.ends; ++k) {
-      const Island& island = islands_[row.island[k]];
-      const Side& side = island.sides[row.side[k]];
-      moved +=
-          dot(side.along_a, island.of(side.a, island.d)) + dot(side.along_b, island.of(side.b, island.d));
-    }
-    for (std::uint32_t k = 0; k < row.ends && opens(row.gap, moved); ++k)
-      islands_[row.island[k]].state->is_pushed_out = true;
+    if (row.kind != Kind::normal || row.p <= 0 || row.gap >= enough || !opens(row.gap, opened(row))) continue;
+    for (std::uint32_t k = 0; k < row.ends; ++k) islands_[row.island[k]].state->is_pushed_out = true;
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3, Vec3) {
-      const Vec3 by = contact.at.of(islands_[i].d) - contact.carried;
-      if (contact.gap < enough && opens(contact.gap, dot(contact.normal, by)))
+      if (contact.gap < enough && opens(contact.gap, opened(islands_[i], contact)))
         islands_[i].state->is_pushed_out = true;
     });
 }

@@ -179,6 +179,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_bounds(Island& island) const;
   void find_sights(Island& island) const;
   double work_of_ground(double h) const;
+  double opened(const Row& row) const;
+  static double opened(const Island& island, const GroundContact& contact);
   double work_of_recovery() const;
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
