@@ -152,5 +152,35 @@ TEST(DrawnTooFar, LinesThatBreakAreNotThrown) {
         }
 }
 
+// Rods that an anchor has drawn too far are brought to their lengths when it is freed, without a blow. What
+// hangs then falls, and is no faster than its end that falls all the way.
+TEST(DrawnTooFar, LinesThatAreLetGoFallAndAreNotThrown) {
+  for (const Method method : {Method::automatic, Method::direct})
+    for (const bool has_accuracy : {false, true})
+      for (const std::uint32_t rods : {2u, 3u, 8u})
+        for (const double by : {1e-3, 0.014, 0.1}) {
+          Scene scene;
+          for (std::uint32_t i = 0; i <= rods; ++i) {
+            const Vec3 at{0.1 * i, 0, 0};
+            scene.particles.push_back(i == 0 || i == rods ? test::fixed(at) : test::movable(at, 0.1));
+            scene.particles.back().mass = 0.1;
+            if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = 0.1});
+          }
+          Settings settings{.method = method, .substeps = 4};
+          if (has_accuracy) settings.accuracy = 1e-3;
+          World world(scene, settings);
+          world.move_anchor(rods, world.position(rods) + Vec3{by, 0, 0});
+          world.step(frame);
+          world.free(0);
+          double fastest = 0;
+          for (int k = 0; k < 10; ++k) {
+            world.step(frame);
+            for (std::uint32_t i = 0; i < rods; ++i) fastest = std::max(fastest, norm(world.velocity(i)));
+          }
+          EXPECT_LT(fastest, 1.5 * 9.81 * 10 * frame) << has_accuracy << ' ' << rods << ' ' << by;
+          EXPECT_LT(test::stretch_of(scene, world).max, 1e-6);
+        }
+}
+
 }  // namespace
 }  // namespace plumb

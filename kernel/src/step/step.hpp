@@ -298,6 +298,7 @@ class Step {
   bool is_of_body(std::uint32_t rod) const;
   void require_simple_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
+  void fit_freed(const Fallen& fallen, const Split& now);
   /// Calls f(solver) for all solvers that move something.
   template <class F>
   void for_solvers(F&& f) const {

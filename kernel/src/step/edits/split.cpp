@@ -9,6 +9,9 @@
 namespace plumb::detail {
 namespace {
 
+/// Rods that are off their lengths by no more than this share were drawn by nothing but rounding.
+constexpr double drawn = 1e-6;
+
 /// Returns so many numbers of solvers that are free, the first ones. The last may be new.
 std::vector<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
   std::vector<std::uint32_t> numbers;
@@ -347,6 +350,27 @@ void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const dou
     compiled_.solvers[number]->end_anchors();
     anchors_.settle(number);
   }
+  fit_freed(fallen, now);
+}
+
+/// Brings rods to their lengths that anchors had drawn too far, where one of these is freed: without a blow,
+/// as at a start.
+void Step::fit_freed(const Fallen& fallen, const Split& now) {
+  std::vector<std::uint32_t> off;
+  for (std::size_t k = 0; !now.edits.fixed.empty() && k < fallen.rods.size(); ++k) {
+    const Rod& rod = fallen.scene.rods[k];
+    const auto at = [&](std::uint32_t particle) { return fallen.scene.particles[particle].position; };
+    const double by = norm(at(rod.b) - at(rod.a)) - now.lengths[k];
+    if (rod.law.is_elastic() || (rod.law.one_sided && by < 0) || std::abs(by) <= drawn * now.lengths[k])
+      continue;
+    for (const Place& place : compiled_.cords.of(fallen.rods[k]))
+      if (std::find(now.seats.begin(), now.seats.end(), place.solver) != now.seats.end())
+        off.push_back(place.solver);
+  }
+  std::sort(off.begin(), off.end());
+  off.erase(std::unique(off.begin(), off.end()), off.end());
+  for (const std::uint32_t number : off)
+    if (!compiled_.solvers[number]->sweeps()) compiled_.solvers[number]->fit(true);
 }
 
 }  // namespace plumb::detail
