@@ -19,6 +19,16 @@ constexpr int links = 40, around = 28, hanging = (links - around) / 2;
 constexpr double friction = 0.4, radius = 0.2, thick = 0.002, turn = std::numbers::pi / around;
 const double far = (radius + thick) / std::cos(turn / 2), link = 2 * far * std::sin(turn / 2);
 
+/// Appends a particle (kg) to a rope, with a rod and a capsule of this radius (m) to the one before.
+void add_link(Scene& scene, Vec3 place, double mass, double thickness, const Surface& surface) {
+  scene.particles.push_back(test::movable(place, mass));
+  const auto here = static_cast<std::uint32_t>(scene.particles.size() - 1);
+  if (here == 0) return;
+  scene.rods.push_back({.a = here - 1, .b = here});
+  scene.capsules.push_back(
+      {.a = point_at(here - 1), .b = point_at(here), .radius = thickness, .surface = surface});
+}
+
 /// A rope of 40 rods over half of a bar along z. Its particles weigh `mass` (kg), the first 1 kg and the last
 /// `load` (kg).
 Scene rope_over_bar(double mass, double load) {
@@ -28,13 +38,7 @@ Scene rope_over_bar(double mass, double load) {
   for (int i = -hanging; i <= around + hanging; ++i) {
     const double angle = turn * std::clamp(i, 0, around), down = link * std::max({0, -i, i - around});
     const double weighs = i == -hanging ? 1 : i == around + hanging ? load : mass;
-    scene.particles.push_back(
-        test::movable({-far * std::cos(angle), far * std::sin(angle) - down, 0}, weighs));
-    const auto here = static_cast<std::uint32_t>(scene.particles.size() - 1);
-    if (here == 0) continue;
-    scene.rods.push_back({.a = here - 1, .b = here});
-    scene.capsules.push_back(
-        {.a = point_at(here - 1), .b = point_at(here), .radius = thick, .surface = surface});
+    add_link(scene, {-far * std::cos(angle), far * std::sin(angle) - down, 0}, weighs, thick, surface);
   }
   return scene;
 }
@@ -132,12 +136,7 @@ Scene WoundRope::scene() const {
     const Vec3 aside{std::sin(angle), std::cos(angle), 0};
     Vec3 place = out * Vec3{-aside.y, aside.x, 0.46 * angle / (2 * std::numbers::pi)} + on * aside;
     place.y -= rod * std::max(0, -i);
-    scene.particles.push_back(test::movable(place, i == -hangs ? 1 : i == wound + hangs ? load : 0.002));
-    const auto here = static_cast<std::uint32_t>(scene.particles.size() - 1);
-    if (here == 0) continue;
-    scene.rods.push_back({.a = here - 1, .b = here});
-    scene.capsules.push_back(
-        {.a = point_at(here - 1), .b = point_at(here), .radius = thick, .surface = surface});
+    add_link(scene, place, i == -hangs ? 1 : i == wound + hangs ? load : 0.002, thick, surface);
   }
   return scene;
 }

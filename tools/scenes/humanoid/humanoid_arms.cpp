@@ -28,23 +28,7 @@ struct Cylinder {
   double radius = 0, mass = 0;
 
   double length() const { return norm(to - from); }
-  Vec3 axis() const { return (1 / length()) * (to - from); }
 };
-
-/// Returns the inertia of a solid cylinder wherever its axis points: across (1 - n nᵀ) + along n nᵀ.
-MassProperties properties_of(const Cylinder& c) {
-  const Inertia own = solid_cylinder(c.mass, c.radius, c.length()).inertia;  // Its axis lies along x.
-  const double along = own.xx, across = own.yy, more = along - across;
-  const Vec3 n = c.axis();
-  return {.mass = c.mass,
-          .center = 0.5 * (c.from + c.to),
-          .inertia = {.xx = across + more * n.x * n.x,
-                      .yy = across + more * n.y * n.y,
-                      .zz = across + more * n.z * n.z,
-                      .xy = more * n.x * n.y,
-                      .xz = more * n.x * n.z,
-                      .yz = more * n.y * n.z}};
-}
 
 /// Adds limbs to a scene and joins them.
 class Figure {
@@ -52,7 +36,7 @@ class Figure {
   Figure(Scene& scene, const Surface& surface) : scene_(scene), surface_(surface) {}
 
   std::uint32_t add(const Cylinder& c) {
-    const std::uint32_t body = add_body(scene_, properties_of(c));
+    const std::uint32_t body = add_body(scene_, solid_cylinder(c.mass, c.radius, c.from, c.to));
     scene_.capsules.push_back({.a = point_on_body(scene_, body, c.from),
                                .b = point_on_body(scene_, body, c.to),
                                .radius = c.radius,

@@ -151,7 +151,11 @@ bool needs_contact_stage(const Scene& scene) {
   return has_joints || has_ground ||
          std::any_of(scene.particles.begin(), scene.particles.end(),
                      [](const Particle& particle) { return particle.asleep; }) ||
-         std::any_of(scene.rods.begin(), scene.rods.end(),
+         has_air(scene);
+}
+
+bool has_air(const Scene& part) {
+  return std::any_of(part.rods.begin(), part.rods.end(),
                      [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
 }
 
@@ -159,14 +163,11 @@ bool is_plain(const Scene& part) {
   const bool has_joints = !part.bodies.empty() || !part.pins.empty() || !part.alignments.empty() ||
                           !part.angles.empty() || !part.springs.empty() || !part.torsions.empty() ||
                           part.joint_drag != 0;
-  const bool has_air = std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) {
-    return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
-  });
   const bool has_sleepers = std::any_of(part.particles.begin(), part.particles.end(),
                                         [](const Particle& each) { return each.asleep && !each.fixed; });
   const bool gives = !part.bends.empty() || std::any_of(part.rods.begin(), part.rods.end(),
                                                         [](const Rod& rod) { return !rod.law.is_rigid(); });
-  if (has_joints || has_air || has_sleepers || (gives && !part.capsules.empty())) return false;
+  if (has_joints || has_air(part) || has_sleepers || (gives && !part.capsules.empty())) return false;
   const auto is_inside = [](const Point& point) {
     return std::all_of(point.weights.begin(), point.weights.end(),
                        [](double weight) { return weight >= 0 && weight <= 1; });

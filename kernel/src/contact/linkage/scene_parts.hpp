@@ -51,6 +51,8 @@ class SceneParts {
 /// Returns whether anything may touch, now or once it is added, or an island may have more than particles and
 /// rods.
 bool needs_contact_stage(const Scene& scene);
+/// Returns whether air brakes any rod.
+bool has_air(const Scene& part);
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its
 /// particles or between the ends of rods. Solvers of particles and rods can move it where nothing touches it.
 bool is_plain(const Scene& part);

@@ -143,20 +143,12 @@ std::vector<Vec3>& ClusterStepper::motion_of(Island& island) {
 /// Goes on along the last change of pushes and motions by `share` of it.
 template <double ClusterStepper::Row::*of>
 void ClusterStepper::extrapolate(double share) {
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const double now = rows_[r].*of;
-    rows_[r].*of += share * (now - last_pushes_[r]);
-    last_pushes_[r] = now;
-  }
+  push_on<of>(share);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
     const auto go_on = [&](auto& values, auto& last) {
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        const auto now = values[k];
-        values[k] += share * (now - last[k]);
-        last[k] = now;
-      }
+      for (std::size_t k = 0; k < values.size(); ++k) Momentum::go_on(share, values[k], last[k]);
     };
     go_on(motion_of<of>(island), island.last_motion);
     if (of != &Row::p) continue;
@@ -167,7 +159,7 @@ void ClusterStepper::extrapolate(double share) {
 
 template <double ClusterStepper::Row::*of>
 void ClusterStepper::keep_last() {
-  for (std::size_t r = 0; r < rows_.size(); ++r) last_pushes_[r] = rows_[r].*of;
+  keep_pushes<of>(last_pushes_);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
@@ -193,27 +185,17 @@ void ClusterStepper::end_free() {
 /// change, or than `enough`. Returns the last change, in m or m/s, and adds to `sweeps`.
 template <double ClusterStepper::Row::*of>
 double ClusterStepper::sweep_freely(double enough, double share, int most, int& sweeps) {
-  const auto pass = [&] {
-    if constexpr (of == &Row::p) return sweep_positions<Sweep::pushes>();
-    return sweep_velocities<Sweep::pushes>();
-  };
   keep_last<of>();
-  double left = INFINITY, till = enough, pace = 1;
+  double left = INFINITY, till = enough;
+  Momentum momentum;
   for (int taken = 0; taken < most && left > till; ++taken) {
-    if (taken > 0) {
-      const double next = 0.5 * (1 + std::sqrt(1 + 4 * pace * pace));
-      extrapolate<of>((pace - 1) / next);
-      pace = next;
-    }
+    if (taken > 0) extrapolate<of>(momentum.share());
     begin_free<of>();
-    for (std::size_t r = 0; r < rows_.size(); ++r) swept_from_[r] = rows_[r].*of;
-    left = pass();
-    for (int again = 1; again < free_passes; ++again) pass();
+    keep_pushes<of>(swept_from_);
+    left = sweep<of>();
+    for (int again = 1; again < free_passes; ++again) sweep<of>();
     end_free<of>();
-    double back = 0;  // whether pushes turn back from where they were going
-    for (std::size_t r = 0; r < rows_.size(); ++r)
-      back += rows_[r].own * (swept_from_[r] - rows_[r].*of) * (rows_[r].*of - last_pushes_[r]);
-    if (back > 0) pace = 1;
+    if (turn_back<of>()) momentum.begin_anew();
     if (taken == 0) till = std::max(enough, share * left);
     ++sweeps;
   }

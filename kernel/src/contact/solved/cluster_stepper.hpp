@@ -256,6 +256,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   template <Sweep sweep>
   double sweep_velocities();
   template <double Row::*of>
+  double sweep();
+  template <double Row::*of>
+  void push_on(double share);
+  template <double Row::*of>
+  void keep_pushes(std::vector<double>& to) const;
+  template <double Row::*of>
+  bool turn_back() const;
+  template <double Row::*of>
   void go_on(double share);
   template <double Row::*of>
   double sweep_on(double till, int most, int& sweeps);

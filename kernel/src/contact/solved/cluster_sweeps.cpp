@@ -230,21 +230,52 @@ template double ClusterStepper::sweep_positions<ClusterStepper::Sweep::pushes>()
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
 
+template <double ClusterStepper::Row::*of>
+double ClusterStepper::sweep() {
+  if constexpr (of == &Row::p) return sweep_positions<Sweep::pushes>();
+  return sweep_velocities<Sweep::pushes>();
+}
+
 /// Goes on along the last change of pushes by `share` of it.
 template <double ClusterStepper::Row::*of>
+void ClusterStepper::push_on(double share) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) Momentum::go_on(share, rows_[r].*of, last_pushes_[r]);
+}
+
+/// Takes note of pushes.
+template <double ClusterStepper::Row::*of>
+void ClusterStepper::keep_pushes(std::vector<double>& to) const {
+  for (std::size_t r = 0; r < rows_.size(); ++r) to[r] = rows_[r].*of;
+}
+
+/// Returns whether pushes turn back from where they were going.
+template <double ClusterStepper::Row::*of>
+bool ClusterStepper::turn_back() const {
+  double back = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    back += rows_[r].own * (swept_from_[r] - rows_[r].*of) * (rows_[r].*of - last_pushes_[r]);
+  return back > 0;
+}
+
+#define PLUMB_INSTANTIATE(of)                                                \
+  template double ClusterStepper::sweep<of>();                               \
+  template void ClusterStepper::push_on<of>(double);                         \
+  template void ClusterStepper::keep_pushes<of>(std::vector<double>&) const; \
+  template bool ClusterStepper::turn_back<of>() const;
+PLUMB_INSTANTIATE(&ClusterStepper::Row::p)
+PLUMB_INSTANTIATE(&ClusterStepper::Row::q)
+#undef PLUMB_INSTANTIATE
+
+/// Goes on along the last change of pushes, and of what they do, by `share` of it.
+template <double ClusterStepper::Row::*of>
 void ClusterStepper::go_on(double share) {
-  const auto follow = [share](double& value, double& last) {
-    const double now = value;
-    value += share * (now - last);
-    last = now;
-  };
-  for (std::size_t r = 0; r < rows_.size(); ++r) follow(rows_[r].*of, last_pushes_[r]);
+  push_on<of>(share);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     for (std::size_t k = 0; k < island.batches(); ++k)
       for (std::size_t lane = 0; lane < simd::kkt_lanes; ++lane) {
-        follow(island.speed[k].of[lane], island.last_speed[k].of[lane]);
-        follow(island.push[k].of[lane], island.last_push[k].of[lane]);
+        Momentum::go_on(share, island.speed[k].of[lane], island.last_speed[k].of[lane]);
+        Momentum::go_on(share, island.push[k].of[lane], island.last_push[k].of[lane]);
       }
   }
 }
@@ -253,36 +284,31 @@ void ClusterStepper::go_on(double share) {
 /// Returns the last change.
 ///
 /// Sweeps alone carry a push through a pile in about the square of as many as it has layers. From the first
-/// few on they have Nesterov's momentum (Soviet Mathematics Doklady 27, 1983, 372). It begins anew where
-/// pushes turn back (O'Donoghue and Candès 2015).
+/// few on they have momentum.
 template <double ClusterStepper::Row::*of>
 double ClusterStepper::sweep_on(double till, int most, int& sweeps) {
-  double left = INFINITY, pace = 1;
+  double left = INFINITY;
+  Momentum momentum;
   for (int taken = 0; taken < most && left > till; ++taken, ++sweeps) {
     has_momentum_ = taken >= sweeps_alone;
+    if (!has_momentum_) {
+      left = sweep<of>();
+      continue;
+    }
     if (taken == sweeps_alone) {
-      for (std::size_t r = 0; r < rows_.size(); ++r) last_pushes_[r] = rows_[r].*of;
+      keep_pushes<of>(last_pushes_);
       for (std::uint32_t i = 0; i < count_; ++i) {
         islands_[i].last_speed = islands_[i].speed;
         islands_[i].last_push = islands_[i].push;
       }
-    } else if (has_momentum_) {
-      const double next = 0.5 * (1 + std::sqrt(1 + 4 * pace * pace));
-      go_on<of>((pace - 1) / next);
-      pace = next;
+    } else {
+      go_on<of>(momentum.share());
     }
-    for (std::size_t r = 0; has_momentum_ && r < rows_.size(); ++r) swept_from_[r] = rows_[r].*of;
-    if constexpr (of == &Row::p)
-      left = sweep_positions<Sweep::pushes>();
-    else
-      left = sweep_velocities<Sweep::pushes>();
-    double back = 0;  // whether pushes turn back from where they were going
-    for (std::size_t r = 0; has_momentum_ && r < rows_.size(); ++r) {
-      const double moved = rows_[r].*of - last_pushes_[r];
-      back += rows_[r].own * (swept_from_[r] - rows_[r].*of) * moved;
-      left = std::max(left, rows_[r].own * std::abs(moved));
-    }
-    if (back > 0) pace = 1;
+    keep_pushes<of>(swept_from_);
+    left = sweep<of>();
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      left = std::max(left, rows_[r].own * std::abs(rows_[r].*of - last_pushes_[r]));
+    if (turn_back<of>()) momentum.begin_anew();
   }
   has_momentum_ = false;
   return left;

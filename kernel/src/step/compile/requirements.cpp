@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "contact/linkage/scene_parts.hpp"
 #include "interface/made_solver.hpp"
 #include "plumb/error.hpp"
 #include "scene/refuse.hpp"
@@ -26,11 +27,6 @@ bool has_point_masses(const Scene& scene, std::size_t body) {
     for (std::size_t k = 0; k < j; ++k)
       if (!(std::abs(mass[j][k]) <= 1e-9 * scene.bodies[body].mass)) return false;
   return true;
-}
-
-bool has_air(const Scene& island) {
-  return std::any_of(island.rods.begin(), island.rods.end(),
-                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
 }
 
 bool has_heavy_bodies(const Scene& island) {
