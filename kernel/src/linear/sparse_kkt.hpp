@@ -55,6 +55,7 @@ class KktPlan {
 
  private:
   std::uint32_t block(std::uint32_t column, std::uint32_t row) const;
+  void find_targets();
 
   const simd::KktKernels* kernels_ = nullptr;
   std::uint32_t columns_ = 0;

@@ -74,7 +74,7 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   begin_pulls(state_);
   for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
   std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
-  if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
+  if (!locks_known_ && do_anchors_rest()) lock(find_locks(state_));
   for (LoopGrab& grab : state_.grabs) grab.begin_step();
   if ((anchors_changed_ || lengths_changed_) && state_.u_step == 0) take_blow();
   if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
@@ -248,6 +248,11 @@ void LoopSolver::move_anchor(Slot slot, const AnchorMove& move) {
   state_.anchors_move = true;
 }
 
+bool LoopSolver::do_anchors_rest() const {
+  return std::all_of(state_.fixed_velocity.begin(), state_.fixed_velocity.end(),
+                     [](Vec3 v) { return v == Vec3{}; });
+}
+
 void LoopSolver::begin_anchors() {
   anchors_changed_ = !std::equal(state_.fixed_last_velocity.begin(), state_.fixed_last_velocity.end(),
                                  state_.fixed_velocity.begin(), std::not_fn(velocity_changes));
@@ -259,8 +264,7 @@ void LoopSolver::begin_anchors() {
 void LoopSolver::end_anchors() {
   anchors_changed_ = false;
   if (!state_.anchors_move) return;
-  state_.anchors_move = std::any_of(state_.fixed_velocity.begin(), state_.fixed_velocity.end(),
-                                    [](Vec3 v) { return v != Vec3{}; });
+  state_.anchors_move = !do_anchors_rest();
   state_.fixed_last_velocity = state_.fixed_velocity;
   std::fill(state_.fixed_velocity.begin(), state_.fixed_velocity.end(), Vec3{});
 }

@@ -150,6 +150,7 @@ class LoopSolver final : public Solver {
   void find_velocities() const;
   void take_blow();
   void keep_blows();
+  bool do_anchors_rest() const;
   void lock(Locks locks);
 
   std::shared_ptr<LoopRules> rules_;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace plumb::detail {
+
+/// The graph of a matrix [M Jᵀ; J -e]. Its first nodes are triples of unknowns of M, and each of the others
+/// is a constraint.
+struct KktGraph {
+  /// `couplings` are the places off the diagonal, in any order: those of triples in threes, then constraints.
+  KktGraph(std::uint32_t threes, std::uint32_t constraints,
+           std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings);
+
+  std::uint32_t node(std::uint32_t unknown) const {
+    return unknown < 3 * threes ? unknown / 3 : unknown - 2 * threes;
+  }
+  bool is_triple(std::uint32_t node) const { return node < threes; }
+
+  std::uint32_t threes;
+  std::vector<std::vector<std::uint32_t>> neighbours;  ///< of every node, ascending
+};
+
+/// Nodes by columns, in the order of elimination: a triple, with a constraint that is eliminated right after
+/// it if there is one, or up to four constraints.
+using KktColumns = std::vector<std::vector<std::uint32_t>>;
+
+/// Finds an order that fills the factors with little. A constraint comes after all its triples, or as the
+/// first one of a triple that is gone. Its pivot is then well away from zero however the others lie.
+KktColumns order_columns(const KktGraph& graph);
+
+/// Returns the rows of each column's factor below the diagonal, ascending (Liu 1990).
+std::vector<std::vector<std::uint32_t>> rows_below(const KktGraph& graph, const KktColumns& columns);
+
+}  // namespace plumb::detail
