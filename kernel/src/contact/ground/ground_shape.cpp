@@ -1,5 +1,8 @@
 #include "contact/ground/ground_shape.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "plumb/joints.hpp"
 
 namespace plumb::detail {
@@ -99,13 +102,36 @@ void GroundShape::touch_point(Vec3 p, Vec3 middle, double reach, LineTouches& ou
   if (near.distance - radius_ <= reach) out.add({.normal = near.normal, .gap = near.distance - radius_});
 }
 
+namespace {
+
+/// Returns whether all of a line is straight above one face of a solid. It touches that at its ends alone.
+bool lies_over_a_face(const Convex& solid, Vec3 p, Vec3 q) {
+  const auto is_over = [&](std::uint32_t face) {
+    const auto corners = solid.parts->face(face);
+    const Vec3 n = solid.normals[face];
+    Vec3 last = solid.vertices[corners.back()];
+    if (dot(n, p - last) <= 0 || dot(n, q - last) <= 0) return false;
+    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
+      const Vec3 here = solid.vertices[corner], out = cross(here - std::exchange(last, here), n);
+      return dot(out, p - here) < 0 && dot(out, q - here) < 0;
+    });
+  };
+  for (std::uint32_t face = 0; face < solid.faces(); ++face)
+    if (is_over(face)) return true;
+  return false;
+}
+
+}  // namespace
+
 void GroundShape::touch_between(Vec3 p, Vec3 q, double reach, LineTouches& out) const {
   if (mesh_) {
     touch_mesh_between(*mesh_, p, q, reach, out);
     return;
   }
+  const Convex solid = convex();
+  if (lies_over_a_face(solid, p, q)) return;
   const std::array<Vec3, 2> line{p, q};
-  for (const ConvexContact& each : contacts_of({.vertices = line, .normals = {}}, convex(), reach)) {
+  for (const ConvexContact& each : contacts_of({.vertices = line, .normals = {}}, solid, reach)) {
     constexpr double at_end = 1e-3;  // touch_point() finds what is at the ends
     const double at = place_along(p, q, each.on_a);
     if (at > at_end && at < 1 - at_end) out.add({.normal = each.normal, .gap = each.gap, .at = at});

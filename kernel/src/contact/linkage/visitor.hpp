@@ -20,8 +20,7 @@ struct Hold {
 struct ProjectionWork {
   std::vector<Vec3> before, momentum;
   std::vector<simd::Quad> unknowns;
-  std::vector<Hold> holds;        ///< by which positions are pushed out of ground
-  std::vector<Vec3> start, last;  ///< m, where a projection starts from, and the last one went
+  std::vector<Hold> holds;  ///< by which positions are pushed out of ground
 };
 
 /// An island of particles and rods that has a solver of its own, its home, and visits the contact solver

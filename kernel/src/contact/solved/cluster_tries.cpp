@@ -191,19 +191,9 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
 bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
   Island& island = islands_[i];
   LinkageState& state = *island.state;
-  projection_.start = state.x;
   if (!(project_positions(state, projection_) <= most)) return false;
-  bool is_deeper = find_depths(i);
-  for (int tries = 0; is_deeper && tries < most_holds; ++tries) {
-    projection_.last = state.x;
-    state.x = projection_.start;
-    if (project_positions(state, projection_) == 0) {
-      is_deeper = find_depths(i);
-      continue;
-    }
-    state.x = projection_.last;
-    break;
-  }
+  for (int tries = 0; find_depths(i) && tries < most_holds; ++tries)
+    if (project_positions(state, projection_) != 0) break;
   gives_up_missed_ = gives_up_missed_ || deepest_ > settings_.slop;
   if (passes_ground(island, surroundings)) return false;
   project_velocities(state, projection_);
