@@ -106,8 +106,8 @@ void Linkage::add_bends(const Scene& part) {
   }
 }
 
-bool Linkage::gives_by_bends_alone() const {
-  return elastics_.empty() || (is_of_bend(0) && first_grab_ == elastics_.size());
+bool Linkage::gives_smoothly() const {
+  return first_grab_ == 0 || is_of_bend(0);
 }
 
 bool Linkage::is_of_bend(std::size_t elastic) const {
