@@ -120,6 +120,14 @@ bool locks_hold(const LoopState& state) {
   });
 }
 
+bool is_locked(const LoopState& state, std::uint32_t rod) {
+  const auto [a, b] = state.topology->rods[rod];
+  const auto is_held = [&](std::uint32_t vertex) {
+    return vertex >= state.topology->nodes || state.locks.has(vertex);
+  };
+  return is_held(a) && is_held(b);
+}
+
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node) {
   return state.fixed_velocity[state.locks.anchors[node] - state.topology->nodes];
 }

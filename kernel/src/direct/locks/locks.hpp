@@ -40,6 +40,9 @@ Locks find_locks(const LoopState& state);
 /// Says whether all lines keep their shape while anchors move as they do.
 bool locks_hold(const LoopState& state);
 
+/// Says whether a rod belongs to a locked line.
+bool is_locked(const LoopState& state, std::uint32_t rod);
+
 /// Returns the velocity of a locked node, in m/s.
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node);
 

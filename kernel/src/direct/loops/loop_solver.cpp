@@ -332,8 +332,11 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   state_.laws.make(state_.length2);
   see_change({state_.laws.length[cord], state_.laws.rate[cord]}, {length, rate});
   state_.laws.moves = true;
-  work_.lines.reset();  // they do not know of it, nor do locks
-  lock({});
+  work_.lines.reset();  // they do not know of it
+  if (is_locked(state_, cord)) {
+    lock({});
+    locks_known_ = false;
+  }
   state_.laws.jump[cord] = rate - state_.laws.rate[cord];
   state_.laws.rate[cord] = rate;
   state_.laws.length[cord] = length;
