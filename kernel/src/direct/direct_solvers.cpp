@@ -195,7 +195,8 @@ class Maker {
     const auto topology = std::make_shared<LoopTopology>(local);
     std::vector<std::uint32_t> locked;
     std::erase_if(equal, [&](std::uint32_t island) {
-      const bool is_locked = find_locks(state_of(topology, island)).any();
+      LoopState state = state_of(topology, island);
+      const bool is_locked = find_locks(state).any();
       if (is_locked) locked.push_back(island);
       return is_locked;
     });

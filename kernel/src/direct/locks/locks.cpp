@@ -18,8 +18,7 @@ constexpr double same_velocity = 1e-10;
 /// Walks along lines from what is held to what is held.
 class Walk {
  public:
-  explicit Walk(const LoopState& state)
-      : state_(state), shape_(*state.topology), first_(shape_.vertices + 1) {
+  explicit Walk(LoopState& state) : state_(state), shape_(*state.topology), first_(shape_.vertices + 1) {
     for (const auto [a, b] : shape_.rods) {
       ++first_[a + 1];
       ++first_[b + 1];
@@ -55,7 +54,7 @@ class Walk {
     if (state_.laws.any() && !state_.laws.is_rigid(rod)) return false;
     const auto [a, b] = shape_.rods[rod];
     const Vec3 d = state_.position(a) - state_.position(b);
-    return std::abs(dot(d, d) / state_.length2[rod] - 1) <= 2 * most_slack;
+    return std::abs(dot(d, d) / state_.length2[rod] - 1) <= 2 * (state_.gave ? most_given : most_slack);
   }
 
   /// Returns the rod that runs on from `rod` beyond `vertex`, or none.
@@ -77,6 +76,7 @@ class Walk {
   /// nodes, which are locked then.
   bool follow(std::uint32_t from, std::uint32_t rod) {
     path_.clear();
+    path_rods_.clear();
     double length = 0;
     std::uint32_t vertex = from;
     for (; rod != Locks::none && fits(rod); rod = straight_on(rod, vertex)) {
@@ -84,27 +84,40 @@ class Walk {
       vertex = other_end(rod, vertex);
       if (anchor_of(vertex) == Locks::none) {
         path_.push_back(vertex);
+        path_rods_.push_back(rod);
         continue;
       }
       const double distance = norm(state_.position(vertex) - state_.position(from));
-      if (path_.empty() || !is_taut(length, distance)) return false;
+      if (path_.empty() || !is_taut(length, distance) || distance > (1 + most_slack) * length) return false;
       for (const std::uint32_t node : path_) locks_.anchors[node] = anchor_of(from);
+      if (state_.gave) straighten(from, vertex, length);
       locks_.ends.emplace_back(anchor_of(from), anchor_of(vertex));
       return true;
     }
     return false;
   }
 
-  const LoopState& state_;
+  /// Puts the nodes of path_ at rest where rods have them that lie in a straight line of `length` (m).
+  void straighten(std::uint32_t from, std::uint32_t to, double length) {
+    const Vec3 start = state_.position(from), way = state_.position(to) - start;
+    double done = 0;
+    for (std::size_t k = 0; k < path_.size(); ++k) {
+      done += std::sqrt(state_.length2[path_rods_[k]]);
+      put(&state_.x[3 * std::size_t{path_[k]}], start + (done / length) * way);
+      put(&state_.u[3 * std::size_t{path_[k]}], {});
+    }
+  }
+
+  LoopState& state_;
   const LoopTopology& shape_;
-  std::vector<std::uint32_t> first_, rods_;  ///< Rods of a vertex begin at first_.
-  std::vector<std::uint32_t> path_;
+  std::vector<std::uint32_t> first_, rods_;      ///< Rods of a vertex begin at first_.
+  std::vector<std::uint32_t> path_, path_rods_;  ///< nodes of a line, and the rods before them
   Locks locks_;
 };
 
 }  // namespace
 
-Locks find_locks(const LoopState& state) {
+Locks find_locks(LoopState& state) {
   const LoopTopology& shape = *state.topology;
   // A line needs two anchors, and most islands with loops have fewer.
   return shape.vertices < shape.nodes + 2 ? Locks{} : Walk(state).run();

@@ -29,13 +29,16 @@ struct Locks {
 /// A line may have this much slack, as a share of its length, and rods may be off theirs by as much. It is
 /// what rounding makes of places and lengths. A line with this slack sags by 2e-6 of its length.
 inline constexpr double most_slack = 1e-11;
+/// Where rods gave, those of a line that would be taut may be off their lengths by this share.
+inline constexpr double most_given = 1e-3;
 /// Says whether a line of rigid rods (m) is locked between what is so far apart (m).
 inline bool is_taut(double length, double distance) {
   return distance >= (1 - most_slack) * length;
 }
 
-/// Finds the nodes that are locked at the present positions.
-Locks find_locks(const LoopState& state);
+/// Finds the nodes that are locked at the present positions, while anchors rest. Where rods gave, it puts
+/// them at rest where their lines have them: no rod would come there by itself.
+Locks find_locks(LoopState& state);
 
 /// Says whether all lines keep their shape while anchors move as they do.
 bool locks_hold(const LoopState& state);

@@ -74,7 +74,7 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   begin_pulls(state_);
   for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
   std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
-  if (!locks_known_ && do_anchors_rest()) lock(find_locks(state_));
+  if ((!locks_known_ || state_.gave) && do_anchors_rest()) lock(find_locks(state_));
   for (LoopGrab& grab : state_.grabs) grab.begin_step();
   if ((anchors_changed_ || lengths_changed_) && state_.u_step == 0) take_blow();
   if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
