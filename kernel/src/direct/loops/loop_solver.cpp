@@ -332,7 +332,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   state_.laws.make(state_.length2);
   see_change({state_.laws.length[cord], state_.laws.rate[cord]}, {length, rate});
   state_.laws.moves = true;
-  work_.lines.reset();  // they do not know of it
+  if (work_.lines) work_.lines->forget();
   if (is_locked(state_, cord)) {
     lock({});
     locks_known_ = false;

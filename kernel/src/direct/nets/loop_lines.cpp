@@ -205,6 +205,16 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double
   return LineOutcome::diverged;
 }
 
+namespace {
+
+/// Returns half the rate of a rod's squared length, m²/s.
+double half_rate(const LoopState& state, std::uint32_t rod) {
+  if (rod == RodLines::none || state.laws.rate.empty()) return 0;
+  return std::sqrt(state.length2[rod]) * state.laws.rate[rod];
+}
+
+}  // namespace
+
 bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) {
   LineWorkspace& lines = *work.lines;
   const RodLines& shape = *lines.lines;
@@ -222,7 +232,8 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
     double square = 0;
     for (std::size_t s = 0; s < shape.slots(); ++s) {
       const auto [a, b] = shape.ends[s];
-      lines.wanted[s] = dot(at(lines.d, s), at(work.delta, b) - at(work.delta, a));
+      lines.wanted[s] =
+          dot(at(lines.d, s), at(work.delta, b) - at(work.delta, a)) + half_rate(state, shape.numbers[s]);
       square += lines.wanted[s] * lines.wanted[s];
     }
     const double goal = projected * std::sqrt(square);
