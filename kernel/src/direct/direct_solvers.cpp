@@ -195,8 +195,7 @@ class Maker {
     const auto topology = std::make_shared<LoopTopology>(local);
     std::vector<std::uint32_t> locked;
     std::erase_if(equal, [&](std::uint32_t island) {
-      LoopState state = state_of(topology, island);
-      const bool is_locked = find_locks(state).any();
+      const bool is_locked = find_locks(state_of(topology, island)).any();
       if (is_locked) locked.push_back(island);
       return is_locked;
     });

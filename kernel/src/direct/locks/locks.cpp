@@ -18,7 +18,9 @@ constexpr double same_velocity = 1e-10;
 /// Walks along lines from what is held to what is held.
 class Walk {
  public:
-  explicit Walk(LoopState& state) : state_(state), shape_(*state.topology), first_(shape_.vertices + 1) {
+  explicit Walk(const LoopState& state)
+      : state_(state), shape_(*state.topology), first_(shape_.vertices + 1) {
+    for (std::uint32_t i = 0; i < shape_.vertices; ++i) places_.push_back(state.position(i));
     for (const auto [a, b] : shape_.rods) {
       ++first_[a + 1];
       ++first_[b + 1];
@@ -53,17 +55,17 @@ class Walk {
   bool fits(std::uint32_t rod) const {
     if (state_.laws.any() && !state_.laws.is_rigid(rod)) return false;
     const auto [a, b] = shape_.rods[rod];
-    const Vec3 d = state_.position(a) - state_.position(b);
+    const Vec3 d = places_[a] - places_[b];
     return std::abs(dot(d, d) / state_.length2[rod] - 1) <= 2 * (state_.gave ? most_given : most_slack);
   }
 
   /// Returns the rod that runs on from `rod` beyond `vertex`, or none.
   std::uint32_t straight_on(std::uint32_t rod, std::uint32_t vertex) const {
-    const Vec3 here = state_.position(vertex), came = here - state_.position(other_end(rod, vertex));
+    const Vec3 here = places_[vertex], came = here - places_[other_end(rod, vertex)];
     double best = straight;
     std::uint32_t out = Locks::none;
     for (std::uint32_t at = first_[vertex]; at < first_[vertex + 1]; ++at) {
-      const Vec3 on = state_.position(other_end(rods_[at], vertex)) - here;
+      const Vec3 on = places_[other_end(rods_[at], vertex)] - here;
       const double cosine = dot(came, on) / (norm(came) * norm(on));
       if (rods_[at] == rod || !(cosine > best)) continue;
       best = cosine;
@@ -87,7 +89,7 @@ class Walk {
         path_rods_.push_back(rod);
         continue;
       }
-      const double distance = norm(state_.position(vertex) - state_.position(from));
+      const double distance = norm(places_[vertex] - places_[from]);
       if (path_.empty() || !is_taut(length, distance) || distance > (1 + most_slack) * length) return false;
       for (const std::uint32_t node : path_) locks_.anchors[node] = anchor_of(from);
       if (state_.gave) straighten(from, vertex, length);
@@ -97,27 +99,28 @@ class Walk {
     return false;
   }
 
-  /// Puts the nodes of path_ at rest where rods have them that lie in a straight line of `length` (m).
+  /// Says where the nodes of path_ are if its rods lie in a straight line of `length` (m).
   void straighten(std::uint32_t from, std::uint32_t to, double length) {
-    const Vec3 start = state_.position(from), way = state_.position(to) - start;
+    const Vec3 start = places_[from], way = places_[to] - start;
     double done = 0;
     for (std::size_t k = 0; k < path_.size(); ++k) {
       done += std::sqrt(state_.length2[path_rods_[k]]);
-      put(&state_.x[3 * std::size_t{path_[k]}], start + (done / length) * way);
-      put(&state_.u[3 * std::size_t{path_[k]}], {});
+      places_[path_[k]] = start + (done / length) * way;
+      locks_.places.emplace_back(path_[k], places_[path_[k]]);
     }
   }
 
-  LoopState& state_;
+  const LoopState& state_;
   const LoopTopology& shape_;
   std::vector<std::uint32_t> first_, rods_;      ///< Rods of a vertex begin at first_.
+  std::vector<Vec3> places_;                     ///< of vertices, m
   std::vector<std::uint32_t> path_, path_rods_;  ///< nodes of a line, and the rods before them
   Locks locks_;
 };
 
 }  // namespace
 
-Locks find_locks(LoopState& state) {
+Locks find_locks(const LoopState& state) {
   const LoopTopology& shape = *state.topology;
   // A line needs two anchors, and most islands with loops have fewer.
   return shape.vertices < shape.nodes + 2 ? Locks{} : Walk(state).run();

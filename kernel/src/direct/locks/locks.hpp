@@ -24,6 +24,8 @@ struct Locks {
   std::vector<std::uint32_t> anchors;  ///< Every node has the vertex that it moves with; empty if none has.
   /// Lines end at these anchors, which must keep their distance.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  /// Where rods gave, nodes are put here (m), at rest: no rod would come to lie straight by itself.
+  std::vector<std::pair<std::uint32_t, Vec3>> places;
 };
 
 /// A line may have this much slack, as a share of its length, and rods may be off theirs by as much. It is
@@ -36,9 +38,8 @@ inline bool is_taut(double length, double distance) {
   return distance >= (1 - most_slack) * length;
 }
 
-/// Finds the nodes that are locked at the present positions, while anchors rest. Where rods gave, it puts
-/// them at rest where their lines have them: no rod would come there by itself.
-Locks find_locks(LoopState& state);
+/// Finds the nodes that are locked at the present positions, or would be but for rods that gave.
+Locks find_locks(const LoopState& state);
 
 /// Says whether all lines keep their shape while anchors move as they do.
 bool locks_hold(const LoopState& state);
@@ -54,7 +55,7 @@ void move_locked(const LoopState& state, double time, std::span<double> displace
 
 template <class Archive>
 void visit_members(Archive& archive, Locks& of) {
-  auto& [anchors, ends] = of;
+  auto& [anchors, ends, places] = of;
   archive(anchors, ends);
 }
 

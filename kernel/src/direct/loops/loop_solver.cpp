@@ -65,6 +65,11 @@ void LoopSolver::lock(Locks locks) {
   locks_known_ = true;
   if (!state_.reels.empty()) return;  // they lock what is wound, and that alone
   if (!state_.locks.any() && !locks.any()) return;
+  for (const auto& [node, place] : std::exchange(locks.places, {})) {
+    double* const x = state_.x.data() + 3 * std::size_t{node};
+    x[0] = place.x, x[1] = place.y, x[2] = place.z;
+    set_velocity(node, {});
+  }
   state_.locks = std::move(locks);
   work_.take_locks(state_);
 }
