@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "plumb/plumb.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
@@ -83,6 +87,89 @@ TEST(LockedRows, SagWithALongerRod) {
   EXPECT_LT(world.position(middle).y, -0.03);
   EXPECT_GT(world.position(middle).y, -0.075);
   EXPECT_LT(strain_of(world), 1e-8);
+}
+
+// The row is free in the very step in which its rod becomes longer. Where it becomes shorter, rods give in
+// that step, and say so.
+TEST(LockedRows, AreFreeInTheStepInWhichARodChanges) {
+  for (const double length : {0.11, 0.099}) {
+    World world(net({0, -1, 0}), {.threads = 1});
+    test::run(world, frame, 5);
+    world.set_length(5, length);
+    const StepReport report = world.step(frame);
+    EXPECT_EQ(report.unsolved, 0u);
+    EXPECT_EQ(report.elastic_substeps > 0, length < 0.1);
+    if (length > 0.1) {
+      EXPECT_LT(strain_of(world), 1e-8);
+    }
+  }
+}
+
+// A rod between two locked rows cannot become shorter. Rods give from then on, as in any such place.
+TEST(LockedRows, GiveWhereARodBetweenThemIsToBeShorter) {
+  Scene scene;
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (const double y : {0.0, -0.1}) {
+      const Vec3 at{0.1 * i, y, 0};
+      scene.particles.push_back(i == 0 || i + 1 == n ? test::fixed(at) : test::movable(at, 0.01));
+      const std::uint32_t here = 2 * i + (y < 0 ? 1 : 0);
+      if (i > 0) scene.rods.push_back({.a = here - 2, .b = here, .length = 0.1});
+      if (y < 0 && i > 0 && i + 1 < n) scene.rods.push_back({.a = here - 1, .b = here, .length = 0.1});
+    }
+  World world(scene, {.threads = 1});
+  test::run(world, frame, 5);
+  const auto is_rung = [](const Rod& rod) { return rod.a + 1 == rod.b && rod.a == n; };
+  const auto rung = std::find_if(scene.rods.begin(), scene.rods.end(), is_rung);
+  ASSERT_NE(rung, scene.rods.end());
+  const auto number = static_cast<std::uint32_t>(rung - scene.rods.begin());
+  world.set_length(number, 0.09);
+  const StepReport total = test::run(world, frame, 60);
+  EXPECT_EQ(total.unsolved, 0u);
+  EXPECT_EQ(total.elastic_substeps, 60u);
+  EXPECT_LT(norm(world.position(rung->b) - world.position(rung->a)), 0.0999);
+  world.set_length(number, 0.1);
+  test::run(world, frame, 10);
+  EXPECT_EQ(test::run(world, frame, 60).elastic_substeps, 0u);
+  EXPECT_LT(strain_of(world), 1e-9);
+}
+
+// A row is drawn straight, so that rods give, and held. It goes on alike in a world that is restored then,
+// and a net does whose rod changes its length by lines.
+TEST(LockedRows, GoOnAlikeWhereTheyAreRestored) {
+  const auto go_on_alike = [](const Scene& scene, const Settings& settings, auto&& drive, int frames) {
+    World world(scene, settings);
+    std::vector<std::byte> saved;
+    std::unique_ptr<World> other;
+    for (int i = 0; i < frames; ++i) {
+      for (World* const each : {&world, other.get()})
+        if (each != nullptr) {
+          drive(*each, i);
+          each->step(frame);
+        }
+      if (other) {
+        ASSERT_EQ(world.state_hash(), other->state_hash()) << i;
+      }
+      if (i % 7 != 3) continue;
+      saved.resize(world.snapshot_size());
+      world.save(saved);
+      other = std::make_unique<World>(scene, settings);
+      test::run(*other, frame, i % 3);
+      other->restore(saved);
+    }
+  };
+  const Scene small = net({0, -1, 0});
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    go_on_alike(
+        small, test::direct(gradient),
+        [&](World& world, int i) {
+          const double share = i < 20 ? i / 20.0 : std::max(0.0, 2 - i / 20.0);
+          world.move_anchor(n - 1, small.particles[n - 1].position + share * Vec3{-0.2, 0, 0});
+        },
+        50);
+    go_on_alike(
+        scenes::make_net({.width = 32, .height = 32}), test::direct(gradient),
+        [](World& world, int i) { world.set_length(900, 0.1 - 0.001 * i); }, 25);
+  }
 }
 
 // A row that sagged is drawn straight again, or too far and back. Rods then give for a moment, since none

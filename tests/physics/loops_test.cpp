@@ -333,6 +333,21 @@ TEST(Loops, LengthsChangeByLinesAsByFactors) {
   for (std::size_t i = 0; i < by_lines.size(); ++i) ASSERT_LT(norm(by_lines[i] - by_factors[i]), 1e-8) << i;
 }
 
+// Gradient mid looks at the work of a winch, by lines as by factors. Were it missed, energy would seem lost,
+// and lines be refused: they would be halved first.
+TEST(Loops, WinchesInANetAreSolvedByLines) {
+  const Scene scene = scenes::make_net({.width = 32, .height = 32});
+  World world(scene, direct(Gradient::mid, 1));
+  StepReport total = test::run(world, 1.0 / 60, 5);
+  for (int i = 1; i <= 20; ++i) {
+    world.set_length(900, 0.1 + 5e-4 * i);
+    total += world.step(1.0 / 60);
+  }
+  EXPECT_EQ(total.halvings + total.fallbacks + total.unsolved, 0u);
+  const Rod& rod = scene.rods[900];
+  EXPECT_NEAR(norm(world.position(rod.b) - world.position(rod.a)), 0.11, 1e-10);
+}
+
 // Four uniform rods of mass m and length L, braced, hung at one corner: about it 10/3 m L^2, the centre of
 // mass L/sqrt(2) away. With half masses at the corners it would be 4 m L^2, and slower by a tenth.
 TEST(Loops, SquareFrameOfUniformRodsIsThePhysicalPendulumItIs) {

@@ -118,8 +118,8 @@ std::vector<std::pair<Index, Index>> pairs_of_triples(const KktGraph& graph) {
 }
 
 /// Puts constraints behind triples that are eliminated in this order: all that have no triple left, and one
-/// of the others. That is the one whose last triple goes latest. It would fill factors until then, on square
-/// nets twice as much as the one that goes first.
+/// of the others. That is the one whose last triple goes latest, since left waiting it would fill factors
+/// until then. On square nets those have twice the updates if it is the one whose last triple goes first.
 KktColumns follow_triples(const KktGraph& graph, const std::vector<Index>& order) {
   const std::vector<std::vector<Index>> own = own_nodes(graph);
   std::vector<Index> waiting = count_triples(graph, own);
@@ -150,6 +150,29 @@ KktColumns follow_triples(const KktGraph& graph, const std::vector<Index>& order
   return columns;
 }
 
+/// Returns the rows of each column's factor below the diagonal (Liu 1990).
+std::vector<std::vector<Index>> rows_below(const KktGraph& graph, const KktColumns& columns) {
+  constexpr Index none = std::numeric_limits<Index>::max();
+  std::vector<Index> column_of(graph.neighbours.size());
+  for (Index k = 0; k < columns.size(); ++k)
+    for (const Index n : columns[k]) column_of[n] = k;
+  // A column has the rows of its own, and of those columns whose first row it is.
+  std::vector<std::vector<Index>> rows(columns.size()), children(columns.size());
+  std::vector<Index> seen_by(columns.size(), none);
+  for (Index k = 0; k < columns.size(); ++k) {
+    const auto add = [&](Index row) {
+      if (row > k && std::exchange(seen_by[row], k) != k) rows[k].push_back(row);
+    };
+    for (const Index n : columns[k])
+      for (const Index m : graph.neighbours[n]) add(column_of[m]);
+    for (const Index child : children[k])
+      for (const Index row : rows[child]) add(row);
+    std::sort(rows[k].begin(), rows[k].end());
+    if (!rows[k].empty()) children[rows[k].front()].push_back(k);
+  }
+  return rows;
+}
+
 std::size_t count_updates(const std::vector<std::vector<Index>>& rows) {
   std::size_t sum = 0;
   for (const std::vector<Index>& each : rows) sum += each.size() * (each.size() + 1) / 2;
@@ -172,34 +195,16 @@ KktGraph::KktGraph(Index threes_in, Index constraints, std::span<const std::pair
   }
 }
 
-KktColumns order_columns(const KktGraph& graph) {
+KktOrder order_columns(const KktGraph& graph) {
+  const auto with_rows = [&](KktColumns columns) {
+    std::vector<std::vector<Index>> rows = rows_below(graph, columns);
+    return KktOrder{std::move(columns), std::move(rows)};
+  };
   if (graph.threes >= least_approximate) {
-    KktColumns columns = follow_triples(graph, order_by_degree(graph.threes, pairs_of_triples(graph)));
-    if (count_updates(rows_below(graph, columns)) > many_updates * columns.size()) return columns;
+    KktOrder order = with_rows(follow_triples(graph, order_by_degree(graph.threes, pairs_of_triples(graph))));
+    if (count_updates(order.rows) > many_updates * order.columns.size()) return order;
   }
-  return Elimination(graph).run();
-}
-
-std::vector<std::vector<Index>> rows_below(const KktGraph& graph, const KktColumns& columns) {
-  constexpr Index none = std::numeric_limits<Index>::max();
-  std::vector<Index> column_of(graph.neighbours.size());
-  for (Index k = 0; k < columns.size(); ++k)
-    for (const Index n : columns[k]) column_of[n] = k;
-  // A column has the rows of its own, and of those columns whose first row it is.
-  std::vector<std::vector<Index>> rows(columns.size()), children(columns.size());
-  std::vector<Index> seen_by(columns.size(), none);
-  for (Index k = 0; k < columns.size(); ++k) {
-    const auto add = [&](Index row) {
-      if (row > k && std::exchange(seen_by[row], k) != k) rows[k].push_back(row);
-    };
-    for (const Index n : columns[k])
-      for (const Index m : graph.neighbours[n]) add(column_of[m]);
-    for (const Index child : children[k])
-      for (const Index row : rows[child]) add(row);
-    std::sort(rows[k].begin(), rows[k].end());
-    if (!rows[k].empty()) children[rows[k].front()].push_back(k);
-  }
-  return rows;
+  return with_rows(Elimination(graph).run());
 }
 
 }  // namespace plumb::detail

@@ -28,11 +28,13 @@ struct KktGraph {
 /// it if there is one, or up to four constraints.
 using KktColumns = std::vector<std::vector<std::uint32_t>>;
 
-/// Finds an order that fills the factors with little. A constraint comes after all its triples, or as the
-/// first one of a triple that is gone. Its pivot is then well away from zero however the others lie.
-KktColumns order_columns(const KktGraph& graph);
+struct KktOrder {
+  KktColumns columns;
+  std::vector<std::vector<std::uint32_t>> rows;  ///< of each column's factor below the diagonal, ascending
+};
 
-/// Returns the rows of each column's factor below the diagonal, ascending (Liu 1990).
-std::vector<std::vector<std::uint32_t>> rows_below(const KktGraph& graph, const KktColumns& columns);
+/// Finds an order that fills the factors with little. A constraint comes after all its triples, or as the
+/// first one of a triple that is gone. Its pivot is then away from zero by what that triple alone yields.
+KktOrder order_columns(const KktGraph& graph);
 
 }  // namespace plumb::detail

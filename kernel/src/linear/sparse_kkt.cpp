@@ -7,13 +7,14 @@
 #include "linear/kkt_order.hpp"
 
 namespace plumb::detail {
+
 KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
                  std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings, Isa isa)
     : kernels_(&simd::kkt_kernels(isa)) {
   const KktGraph graph(threes, constraints, couplings);
-  const KktColumns columns = order_columns(graph);
+  const KktOrder order = order_columns(graph);
   position_.resize(3 * std::size_t{threes} + constraints);
-  for (const std::vector<std::uint32_t>& nodes : columns) {
+  for (const std::vector<std::uint32_t>& nodes : order.columns) {
     std::uint32_t at = 4 * columns_;
     const auto put = [&](std::uint32_t unknown) { position_[unknown] = at++; };
     for (const std::uint32_t n : nodes) {
@@ -26,7 +27,7 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
     while (at < 4 * columns_) padding_.push_back(at++);
   }
   start_.assign(1, 0);
-  for (const std::vector<std::uint32_t>& rows : rows_below(graph, columns)) {
+  for (const std::vector<std::uint32_t>& rows : order.rows) {
     rows_.insert(rows_.end(), rows.begin(), rows.end());
     start_.push_back(static_cast<std::uint32_t>(rows_.size()));
   }

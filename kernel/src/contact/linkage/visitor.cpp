@@ -77,8 +77,8 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
     fits = violation <= unnoticed && (i > 0 || work.holds.empty());
     if (fits || !std::isfinite(violation)) break;
     if ((i == 0 || violation > good_progress * last) && !factor_with_holds(state, work.holds)) break;
-    // The first one is as far from what is held as from what rods ask for.
-    last = i == 0 && !work.holds.empty() ? INFINITY : violation;
+    // Where rods fit at first, only what is held is missed.
+    last = violation <= unnoticed ? INFINITY : violation;
     for (const Hold& hold : work.holds) {
       const double lack = hold.least - dot(hold.along, hold.at.of(state.x));
       linkage.add(hold.at, (firm * linkage.heaviest(hold.at) * lack) * hold.along, right);

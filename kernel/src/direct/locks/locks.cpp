@@ -12,6 +12,9 @@ namespace {
 /// Rods of a straight line turn by no angle of a lesser cosine.
 constexpr double straight = 0.9999;
 
+/// A rod between locked nodes that is off its length by more than this share is no matter of rounding.
+constexpr double most_off = 1e-6;
+
 /// Velocities that differ by this share are the same but for the rounding of places.
 constexpr double same_velocity = 1e-10;
 
@@ -39,7 +42,7 @@ class Walk {
     for (std::size_t i = 0; i < held.size(); ++i)  // what gets locked holds others
       for (std::uint32_t at = first_[held[i]]; at < first_[held[i] + 1]; ++at)
         if (follow(held[i], rods_[at])) held.insert(held.end(), path_.begin(), path_.end());
-    return locks_.ends.empty() ? Locks{} : std::move(locks_);
+    return locks_.ends.empty() || any_contradicts() ? Locks{} : std::move(locks_);
   }
 
  private:
@@ -51,12 +54,25 @@ class Walk {
     return shape_.rods[rod].a == vertex ? shape_.rods[rod].b : shape_.rods[rod].a;
   }
 
-  /// Says whether a rod is rigid and as long as its ends are apart.
+  /// Says whether a rod is rigid, and as long as its ends are apart in all of the step.
   bool fits(std::uint32_t rod) const {
-    if (state_.laws.any() && !state_.laws.is_rigid(rod)) return false;
+    if (state_.laws.any() && (!state_.laws.is_rigid(rod) || state_.laws.rate[rod] != 0)) return false;
     const auto [a, b] = shape_.rods[rod];
     const Vec3 d = places_[a] - places_[b];
     return std::abs(dot(d, d) / state_.length2[rod] - 1) <= 2 * (state_.gave ? most_given : most_slack);
+  }
+
+  /// Returns whether a rod between locked nodes is, or is to be, of another length than they leave it.
+  bool any_contradicts() const {
+    for (std::uint32_t k = 0; k < shape_.rods.size(); ++k) {
+      const auto [a, b] = shape_.rods[k];
+      const bool is_held = anchor_of(a) != Locks::none && anchor_of(b) != Locks::none;
+      if (!is_held || (state_.laws.any() && !state_.laws.is_rigid(k))) continue;
+      const double strain = norm(places_[a] - places_[b]) / std::sqrt(state_.length2[k]) - 1;
+      if (state_.laws.any() && state_.laws.is_one_sided(k) && strain < -most_off) continue;  // slack
+      if (std::abs(strain) > most_off || (state_.laws.any() && state_.laws.rate[k] != 0)) return true;
+    }
+    return false;
   }
 
   /// Returns the rod that runs on from `rod` beyond `vertex`, or none.
@@ -136,7 +152,7 @@ bool locks_hold(const LoopState& state) {
   });
 }
 
-bool is_locked(const LoopState& state, std::uint32_t rod) {
+bool lies_between_held(const LoopState& state, std::uint32_t rod) {
   const auto [a, b] = state.topology->rods[rod];
   const auto is_held = [&](std::uint32_t vertex) {
     return vertex >= state.topology->nodes || state.locks.has(vertex);

@@ -24,7 +24,8 @@ struct Locks {
   std::vector<std::uint32_t> anchors;  ///< Every node has the vertex that it moves with; empty if none has.
   /// Lines end at these anchors, which must keep their distance.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
-  /// Where rods gave, nodes are put here (m), at rest: no rod would come to lie straight by itself.
+  /// Where rods gave, nodes are put here (m), by 10⁻³ of a rod at most: none would come to lie straight by
+  /// itself. It is empty once they are.
   std::vector<std::pair<std::uint32_t, Vec3>> places;
 };
 
@@ -38,14 +39,15 @@ inline bool is_taut(double length, double distance) {
   return distance >= (1 - most_slack) * length;
 }
 
-/// Finds the nodes that are locked at the present positions, or would be but for rods that gave.
+/// Finds the nodes that are locked at the present positions, or would be but for rods that gave. There are
+/// none while a rod between them is to be of another length, so that rods give, and that is counted.
 Locks find_locks(const LoopState& state);
 
 /// Says whether all lines keep their shape while anchors move as they do.
 bool locks_hold(const LoopState& state);
 
-/// Says whether a rod belongs to a locked line.
-bool is_locked(const LoopState& state, std::uint32_t rod);
+/// Says whether a rod is of a locked line, or between two of them.
+bool lies_between_held(const LoopState& state, std::uint32_t rod);
 
 /// Returns the velocity of a locked node, in m/s.
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node);

@@ -68,7 +68,9 @@ void LoopSolver::lock(Locks locks) {
   for (const auto& [node, place] : std::exchange(locks.places, {})) {
     double* const x = state_.x.data() + 3 * std::size_t{node};
     x[0] = place.x, x[1] = place.y, x[2] = place.z;
-    set_velocity(node, {});
+    // As its anchor went last: where that stops in this step, a blow stops both.
+    const Vec3 last = state_.fixed_last_velocity[locks.anchors[node] - state_.topology->nodes];
+    set_velocity(node, (state_.u_step != 0 ? state_.u_step : 1) * last);
   }
   state_.locks = std::move(locks);
   work_.take_locks(state_);
@@ -338,7 +340,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   see_change({state_.laws.length[cord], state_.laws.rate[cord]}, {length, rate});
   state_.laws.moves = true;
   if (work_.lines) work_.lines->forget();
-  if (is_locked(state_, cord)) {
+  if (lies_between_held(state_, cord)) {
     lock({});
     locks_known_ = false;
   }

@@ -132,8 +132,10 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     const auto [a, b] = shape.rods[k];
     for (std::uint32_t c = 0; c < 3; ++c)
       done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
-    if (state.laws.any() && state.laws.does_work(k))
-      done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
+    if (state.laws.any() && state.laws.does_work(k)) {
+      const Vec3 d = at(state.x, a) - at(state.x, b);  // lines do not write work.d
+      done -= state.mu[k] * growth_of(d, at(work.delta, a) - at(work.delta, b)) / 2;
+    }
   }
   done -= work_of_tackles(state, 0.5, work);
   for (const auto& of : {work_of_bends(state, work, least_motion), work_of_twists(state, work, least_motion)})
