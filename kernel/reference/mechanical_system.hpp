@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
@@ -23,10 +23,10 @@ struct MechanicalState {
 /// Says what acts on an island from outside, by the island's particles. Anchors are its fixed particles.
 /// Within a substep they move in straight lines.
 struct Drive {
-  std::vector<Vec3> forces;             ///< Forces on movable particles, in N.
-  std::vector<Vec3> anchors;            ///< Positions of anchors at the start of the substep, in m.
-  std::vector<Vec3> anchor_velocities;  ///< Their velocities, in m/s.
-  double scene_diagonal = 0;            ///< Diagonal of the scene, in m: an accuracy is relative to it.
+  Array<Vec3> forces;             ///< Forces on movable particles, in N.
+  Array<Vec3> anchors;            ///< Positions of anchors at the start of the substep, in m.
+  Array<Vec3> anchor_velocities;  ///< Their velocities, in m/s.
+  double scene_diagonal = 0;      ///< Diagonal of the scene, in m: an accuracy is relative to it.
 
   Vec3 anchor(std::uint32_t particle, double t) const {
     return anchors[particle] + t * anchor_velocities[particle];

@@ -119,8 +119,8 @@ void require_known_joints(const Scene& island, std::uint32_t particle, Method me
 
 }  // namespace
 
-std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
-                                               const Settings& settings, StartReport& report) {
+Array<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                         StartReport& report) {
   if (settings.method == Method::springs) {
     if (!scene.hulls.empty()) refuse("hull 0: method springs lets nothing touch; relax, direct and auto do");
     if (!scene.capsules.empty())
@@ -128,7 +128,7 @@ std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandS
     require_spring_bodies(scene, settings);
   }
   const double diagonal = bounding_diagonal(scene);
-  std::vector<MadeSolver> out;
+  Array<MadeSolver> out;
   for (std::uint32_t island = 0; island < sets.islands.count(); ++island) {
     const auto particles = sets.islands.vertices(island);
     const Scene alone = island_scene(scene, sets, island);

@@ -2,10 +2,10 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "interface/island_sets.hpp"
 #include "interface/made_solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "reference/mechanical_system.hpp"
 
 namespace plumb::detail {
@@ -50,15 +50,15 @@ class ReferenceSolver final : public Solver {
   std::unique_ptr<MechanicalSystem> system_;
   MechanicalState state_, last_;  ///< the state now, and the last that was finite
   Drive drive_;
-  std::vector<std::uint8_t> fixed_;
+  Array<std::uint8_t> fixed_;
   bool frozen_ = false;
   double best_substep_ = 0;
 };
 
 /// Makes the solvers of islands by the settings' method: springs, multipliers or featherstone. Throws
 /// InputError if the method cannot move one of them.
-std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
-                                               const Settings& settings, StartReport& report);
+Array<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                         StartReport& report);
 /// Makes the solver of an island with bodies or joints by multipliers or featherstone. Throws InputError if
 /// the method cannot move it.
 MadeSolver make_jointed_solver(const Scene& island, std::span<const std::uint32_t> particles,

@@ -36,7 +36,7 @@ struct Pair {
   Vec3 place{};        ///< of the joint, at first
   Point at[2]{};       ///< the same, of either body
   Point tips[2][3]{};  ///< 1 m from it along the axes, of either body
-  std::vector<detail::Link> links{};
+  Array<detail::Link> links{};
   test::State state{};  ///< of these links
 };
 
@@ -144,7 +144,7 @@ std::vector<Vec3> exact_positions(const Pair& pair, double duration) {
   detail::ArticulatedBody body(pair.links);
   test::State state = pair.state;
   test::advance(body, state, {.gravity = pair.scene.gravity}, duration, 2000);
-  std::vector<detail::LinkMotion> motions(pair.links.size());
+  Array<detail::LinkMotion> motions(pair.links.size());
   body.motions(state.q, state.v, {}, {}, motions);
   std::vector<Vec3> out;
   for (const Particle& particle : pair.scene.particles) out.push_back(particle.position);

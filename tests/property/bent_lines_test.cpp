@@ -71,9 +71,9 @@ TEST(BentLines, FindTheirPlaces) {
   const auto found = detail::find_line_bends(
       tree, {{{{6, 4, 0}}, {{1, 0, 4}}, {{0, 1, 2}}, {{5, 3, 2}}, {{3, 5, 7}}}, {}, {}});
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->slots, (std::vector<std::uint32_t>{0, 1, 2, 4, 5}));
-  EXPECT_EQ(found->turned, (std::vector<std::uint8_t>{0, 1, 0, 1, 0}));
-  EXPECT_EQ(found->clamps, (std::vector<std::uint32_t>{6, 7}));
+  EXPECT_EQ(found->slots, (Array<std::uint32_t>{0, 1, 2, 4, 5}));
+  EXPECT_EQ(found->turned, (Array<std::uint8_t>{0, 1, 0, 1, 0}));
+  EXPECT_EQ(found->clamps, (Array<std::uint32_t>{6, 7}));
   EXPECT_EQ(found->ends, (std::array<std::uint32_t, 4>{2, 0, 1, 3}));
 }
 

@@ -95,8 +95,8 @@ struct Net {
   Couplings couplings;
 };
 
-std::vector<simd::Block> matrix_of(const Problem& problem, const KktPlan& plan) {
-  std::vector<simd::Block> blocks = plan.empty_matrix();
+Array<simd::Block> matrix_of(const Problem& problem, const KktPlan& plan) {
+  Array<simd::Block> blocks = plan.empty_matrix();
   const std::span<double> values = numbers(blocks);
   for (const auto& [a, b] : problem.couplings)
     values[plan.place(a, b)] = static_cast<double>(problem.dense(a, b));
@@ -106,8 +106,8 @@ std::vector<simd::Block> matrix_of(const Problem& problem, const KktPlan& plan) 
 }
 
 /// As plan.position() has it.
-std::vector<simd::Quad> right_of(const Problem& problem, const KktPlan& plan) {
-  std::vector<simd::Quad> right(plan.columns(), simd::Quad{});
+Array<simd::Quad> right_of(const Problem& problem, const KktPlan& plan) {
+  Array<simd::Quad> right(plan.columns(), simd::Quad{});
   for (std::uint32_t i = 0; i < problem.dense.rows(); ++i)
     numbers(right)[plan.position(i)] = 1 + 0.1 * (i % 7);
   return right;
@@ -120,13 +120,13 @@ TEST(Kkt, SolvesWhatItsMatrixSays) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     const Problem problem(seed);
     const KktPlan plan(problem.particles, problem.constraints, problem.couplings, Isa::scalar);
-    std::vector<simd::Block> blocks = matrix_of(problem, plan);
+    Array<simd::Block> blocks = matrix_of(problem, plan);
     if (!plan.factor(blocks)) continue;
     ++solved;
-    std::vector<simd::Quad> x = right_of(problem, plan);
-    std::vector<simd::Quad> right = x;
+    Array<simd::Quad> x = right_of(problem, plan);
+    Array<simd::Quad> right = x;
     plan.solve(blocks, x);
-    const auto at = [&](std::vector<simd::Quad>& of, Eigen::Index i) {
+    const auto at = [&](Array<simd::Quad>& of, Eigen::Index i) {
       return numbers(of)[plan.position(static_cast<std::uint32_t>(i))];
     };
     for (Eigen::Index i = 0; i < problem.dense.rows(); ++i) {
@@ -148,7 +148,7 @@ TEST(Kkt, SolvesNets) {
   for (const std::uint32_t n : {9u, 20u, 40u}) {
     const Net net(n, n);
     const KktPlan plan(net.particles, net.rods, net.couplings, Isa::scalar);
-    std::vector<simd::Block> blocks = plan.empty_matrix();
+    Array<simd::Block> blocks = plan.empty_matrix();
     const std::uint32_t size = 3 * net.particles + net.rods;
     Eigen::SparseMatrix<double> matrix(size, size);
     std::vector<Eigen::Triplet<double>> entries;
@@ -163,7 +163,7 @@ TEST(Kkt, SolvesNets) {
       set(a, b, b < 3 * net.particles ? 0.1 : 2 * scenes::unit_double(random) - 1);
     matrix.setFromTriplets(entries.begin(), entries.end(), [](double, double last) { return last; });
     ASSERT_TRUE(plan.factor(blocks)) << n;
-    std::vector<simd::Quad> x(plan.columns(), simd::Quad{});
+    Array<simd::Quad> x(plan.columns(), simd::Quad{});
     Eigen::VectorXd right(size), got(size);
     for (std::uint32_t i = 0; i < size; ++i) right[i] = numbers(x)[plan.position(i)] = 1 + 0.1 * (i % 7);
     plan.solve(blocks, x);
@@ -179,7 +179,7 @@ TEST(Kkt, OrdersConstraintsBehindTriples) {
       const Net net(n, seed);
       const KktGraph graph(net.particles, net.rods, net.couplings);
       std::vector<int> gone(graph.neighbours.size(), 0), taken(graph.neighbours.size(), 0);
-      for (const std::vector<std::uint32_t>& column : order_columns(graph).columns) {
+      for (const Array<std::uint32_t>& column : order_columns(graph).columns) {
         std::uint32_t unknowns = 0;
         for (const std::uint32_t node : column) {
           EXPECT_EQ(gone[node]++, 0) << node;
@@ -216,7 +216,7 @@ TEST(Kkt, FindsTheRowsOfFactors) {
     for (auto row = rows.begin(); row != rows.end(); ++row) below[*row].insert(std::next(row), rows.end());
   ASSERT_EQ(got.size(), below.size());
   for (std::size_t k = 0; k < got.size(); ++k)
-    EXPECT_EQ(got[k], std::vector<std::uint32_t>(below[k].begin(), below[k].end())) << k;
+    EXPECT_EQ(got[k], Array<std::uint32_t>(below[k].begin(), below[k].end())) << k;
 }
 
 // The exact minimum degree fills the factors of a net of 32 x 32 with 922,000 updates of tiles.
@@ -224,7 +224,7 @@ TEST(Kkt, FillsNetsWithLittle) {
   const Net net(32, 0);
   const KktGraph graph(net.particles, net.rods, net.couplings);
   std::size_t updates = 0;
-  for (const std::vector<std::uint32_t>& rows : order_columns(graph).rows)
+  for (const Array<std::uint32_t>& rows : order_columns(graph).rows)
     updates += rows.size() * (rows.size() + 1) / 2;
   EXPECT_LT(updates, 700'000u);
 }
@@ -235,9 +235,9 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
     const Problem problem(seed);
     const auto solve = [&](Isa isa) {
       const KktPlan plan(problem.particles, problem.constraints, problem.couplings, isa);
-      std::vector<simd::Block> blocks = matrix_of(problem, plan);
+      Array<simd::Block> blocks = matrix_of(problem, plan);
       plan.factor(blocks);
-      std::vector<simd::Quad> x = right_of(problem, plan);
+      Array<simd::Quad> x = right_of(problem, plan);
       constexpr std::size_t batches = 3;
       std::vector<simd::Lanes> lanes(batches * plan.unknowns());
       // Every lane of every batch times another power of two, which changes no digit.
@@ -254,10 +254,10 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
           EXPECT_EQ(lanes[i].of[lane], times(i, lane) * numbers(x)[i % plan.unknowns()]) << seed;
       return x;
     };
-    std::vector<simd::Quad> wanted = solve(Isa::scalar);
+    Array<simd::Quad> wanted = solve(Isa::scalar);
     for (const Isa isa : all_isas()) {
       if (!is_supported(isa)) continue;
-      std::vector<simd::Quad> got = solve(isa);
+      Array<simd::Quad> got = solve(isa);
       for (std::size_t i = 0; i < numbers(got).size(); ++i)
         ASSERT_EQ(numbers(got)[i], numbers(wanted)[i]) << seed << " on " << to_string(isa);
     }
@@ -268,7 +268,7 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
 TEST(Kkt, SaysWhatHasNoFactors) {
   const std::pair<std::uint32_t, std::uint32_t> couplings[] = {{3, 0}};
   const KktPlan plan(1, 1, couplings, Isa::scalar);
-  std::vector<simd::Block> blocks = plan.empty_matrix();  // no mass at all
+  Array<simd::Block> blocks = plan.empty_matrix();  // no mass at all
   EXPECT_FALSE(plan.factor(blocks));
 }
 

@@ -34,7 +34,7 @@ struct Net {
     }
   }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(mass.size()); }
-  std::vector<Line> lines() const { return find_lines(rods, nodes(), positions); }
+  Array<Line> lines() const { return find_lines(rods, nodes(), positions); }
 
   std::vector<LoopRod> rods;
   std::vector<Vec3> positions;
@@ -54,7 +54,7 @@ Scene crumpled_net(std::uint32_t width, std::uint32_t height, unsigned seed) {
 
 TEST(RodLines, OfANetAreItsRowsAndColumns) {
   const Net net(scenes::make_net({.width = 9, .height = 6, .level = 1}));
-  const std::vector<Line> lines = net.lines();
+  const Array<Line> lines = net.lines();
   ASSERT_EQ(lines.size(), 5u + 9u);
   for (const Line& line : lines) {
     const auto along = [&](std::uint32_t k) {
@@ -71,7 +71,7 @@ TEST(RodLines, HoldEveryRodOnceAndRunOnThroughJoints) {
        {scenes::make_ring({.links = 7}), scenes::make_truss({.bays = 5, .chords = 3, .braces = 2}),
         crumpled_net(13, 7, 5), crumpled_net(20, 20, 6)}) {
     const Net net(scene);
-    const std::vector<Line> lines = net.lines();
+    const Array<Line> lines = net.lines();
     const RodLines packed(lines, net.rods, net.nodes());
     std::multiset<std::uint32_t> seen;
     for (std::uint32_t s = 0; s < packed.slots(); ++s) {
@@ -89,7 +89,7 @@ TEST(RodLines, HoldEveryRodOnceAndRunOnThroughJoints) {
     }
     EXPECT_EQ(seen.size(), net.rods.size());
     EXPECT_EQ(std::set(seen.begin(), seen.end()).size(), net.rods.size());
-    std::vector<std::uint32_t> order = packed.node_order();
+    Array<std::uint32_t> order = packed.node_order();
     std::sort(order.begin(), order.end());
     for (std::uint32_t i = 0; i < net.nodes(); ++i) EXPECT_EQ(order.at(i), i);
     EXPECT_EQ(order.size(), net.nodes());
@@ -204,7 +204,7 @@ TEST(RodLines, EndAtHubs) {
     wheel.rods.push_back({.a = 0, .b = i + 1});
     wheel.rods.push_back({.a = i + 1, .b = (i + 1) % spokes + 1});
   }
-  const std::vector<Line> lines = Net(wheel).lines();
+  const Array<Line> lines = Net(wheel).lines();
   EXPECT_EQ(lines.size(), spokes + 1u);
   EXPECT_EQ(lines.front().size(), spokes);
 }

@@ -124,16 +124,16 @@ TEST(TwistedLines, FindTheirPlaces) {
   const layouts::Tree tree = test::line_tree(4, 3);
   // Vertices 4 and 5 are the anchors, 6 and 7 the clamps.
   for (const bool turned : {false, true}) {
-    std::vector<std::uint32_t> chain{6, 4, 0, 1, 2, 3, 5, 7};
+    Array<std::uint32_t> chain{6, 4, 0, 1, 2, 3, 5, 7};
     if (turned) std::reverse(chain.begin(), chain.end());
     const auto alone = detail::find_line_bends(tree, {{}, {}, {{chain}}, {}});
     ASSERT_TRUE(alone.has_value());
     EXPECT_EQ((Joints{alone->twist_begin, alone->twist_end}), (Joints{0, 6}));
-    EXPECT_EQ(alone->clamps, (std::vector<std::uint32_t>{6, 7}));
+    EXPECT_EQ(alone->clamps, (Array<std::uint32_t>{6, 7}));
     EXPECT_EQ(alone->ends, (std::array<std::uint32_t, 4>{2, 0, 1, 3}));
     const auto bent = detail::find_line_bends(tree, {{{{3, 5, 7}}}, {}, {{chain}}, {}});
     ASSERT_TRUE(bent.has_value());
-    EXPECT_EQ(bent->clamps, (std::vector<std::uint32_t>{7, 6}));
+    EXPECT_EQ(bent->clamps, (Array<std::uint32_t>{7, 6}));
     EXPECT_EQ(bent->ends, (std::array<std::uint32_t, 4>{3, 0, 1, 2}));
   }
   const auto part = detail::find_line_bends(tree, {{}, {}, {{{4, 0, 1, 2}}}, {}});
@@ -144,8 +144,7 @@ TEST(TwistedLines, FindTheirPlaces) {
 
 TEST(TwistedLines, AreNotFoundElsewhere) {
   const layouts::Tree tree = test::line_tree(4, 1);
-  const auto found = [&](std::vector<detail::LoopBend> bends,
-                         const std::vector<std::vector<std::uint32_t>>& chains) {
+  const auto found = [&](Array<detail::LoopBend> bends, const Array<Array<std::uint32_t>>& chains) {
     detail::LoopElements elements;
     elements.bends = std::move(bends);
     for (const auto& chain : chains) elements.twists.push_back({chain});

@@ -6,14 +6,14 @@
 #include <random>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 
 /// Graphs to test layouts on, each made from its seed alone.
 namespace plumb::test {
 
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 using Random = std::mt19937;
 
 // std::uniform_int_distribution and std::shuffle differ between standard libraries; these do not.
@@ -26,8 +26,8 @@ inline double signed_unit(Random& random) {
   return static_cast<double>(random()) * 0x1p-31 - 1;
 }
 
-template <class T>
-void shuffle(std::vector<T>& list, Random& random) {
+template <class List>
+void shuffle(List& list, Random& random) {
   for (std::size_t i = list.size(); i > 1; --i)
     std::swap(list[i - 1], list[below(random, static_cast<std::uint32_t>(i))]);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "plumb/plumb.hpp"
@@ -59,7 +60,7 @@ inline bool all_finite(const World& world) {
 
 /// Largest rate at which a velocity field stretches a rod, in m/s: |d/|d| . (v_b - v_a)| at the scene's
 /// positions.
-inline double largest_stretching_rate(const Scene& scene, const std::vector<Vec3>& velocities) {
+inline double largest_stretching_rate(const Scene& scene, std::span<const Vec3> velocities) {
   double largest = 0;
   for (const Rod& rod : scene.rods) {
     const Vec3 d = scene.particles[rod.b].position - scene.particles[rod.a].position;

@@ -59,7 +59,7 @@ TEST(GivenNumbers, AreGivenOrTheLowestThatAreFree) {
   EXPECT_EQ(numbers.take(2), 2u);
   numbers.end(1);
   EXPECT_EQ(numbers.take(3), 3u) << "places still name 1";
-  EXPECT_EQ(numbers.made(), (std::vector<std::uint32_t>{2, 3}));
+  EXPECT_EQ(numbers.made(), (Array<std::uint32_t>{2, 3}));
   numbers.give({});
   EXPECT_EQ(numbers.take(4), 1u);
   numbers.give(std::vector<std::uint32_t>{6, 5});

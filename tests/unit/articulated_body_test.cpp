@@ -26,11 +26,11 @@ constexpr Vec3 gravity{0, -9.81, 0};
 
 /// Links as they move, their centres of mass, and what follows.
 struct Motion {
-  std::vector<LinkMotion> links;
+  Array<LinkMotion> links;
   std::vector<Vec3> centers, velocities;  ///< of mass
   std::vector<Vec3> spins;                ///< angular momenta about the centres
 };
-Motion motion_of(const ArticulatedBody& body, const std::vector<Link>& links, const State& s) {
+Motion motion_of(const ArticulatedBody& body, const Array<Link>& links, const State& s) {
   Motion motion;
   motion.links.resize(links.size());
   body.motions(s.q, s.v, {}, {}, motion.links);
@@ -46,7 +46,7 @@ Motion motion_of(const ArticulatedBody& body, const std::vector<Link>& links, co
   return motion;
 }
 
-double energy_of(const std::vector<Link>& links, const Motion& motion, Vec3 g) {
+double energy_of(const Array<Link>& links, const Motion& motion, Vec3 g) {
   double energy = 0;
   for (std::size_t i = 0; i < links.size(); ++i)
     energy += 0.5 * links[i].mass * dot(motion.velocities[i], motion.velocities[i]) +
@@ -54,12 +54,12 @@ double energy_of(const std::vector<Link>& links, const Motion& motion, Vec3 g) {
               links[i].mass * dot(g, motion.centers[i]);
   return energy;
 }
-Vec3 linear_momentum(const std::vector<Link>& links, const Motion& motion) {
+Vec3 linear_momentum(const Array<Link>& links, const Motion& motion) {
   Vec3 sum{};
   for (std::size_t i = 0; i < links.size(); ++i) sum += links[i].mass * motion.velocities[i];
   return sum;
 }
-Vec3 angular_momentum(const std::vector<Link>& links, const Motion& motion) {
+Vec3 angular_momentum(const Array<Link>& links, const Motion& motion) {
   Vec3 sum{};
   for (std::size_t i = 0; i < links.size(); ++i)
     sum += motion.spins[i] + links[i].mass * cross(motion.centers[i], motion.velocities[i]);
@@ -139,14 +139,14 @@ TEST(ArticulatedBody, SlidesOnATurningRod) {
   EXPECT_NEAR(s.q[1], 0.2 * std::cosh(w * 0.5), 1e-8);  // 1e-9 is the mass over the turntable's inertia
 }
 
-std::vector<Link> brick(Vec3 center) {
+Array<Link> brick(Vec3 center) {
   return {
       {.mass = 2, .center = center, .inertia = {.xx = 0.1, .yy = 0.25, .zz = 0.3, .xy = 0.02, .yz = -0.03}}};
 }
 
 // Euler's equations in space: L = I w stays, so w' = I^-1 (I w x w); and the energy stays.
 TEST(ArticulatedBody, TorqueFreeBodyKeepsMomentumAndEnergy) {
-  const std::vector<Link> links = brick({});
+  const Array<Link> links = brick({});
   ArticulatedBody body(links);
   State s = start_of(body);
   s.q << 0.5, 0.5, -0.1, std::sqrt(0.49);
@@ -168,7 +168,7 @@ TEST(ArticulatedBody, TorqueFreeBodyKeepsMomentumAndEnergy) {
 
 // On a floating base, off its centre, under gravity: the centre falls as a stone does, the spin stays.
 TEST(ArticulatedBody, FloatingBodyFallsAsAStone) {
-  std::vector<Link> links = brick({0.3, -0.2, 0.1});
+  Array<Link> links = brick({0.3, -0.2, 0.1});
   links.insert(links.begin(), {.joint = Joint::translation});
   links[1].parent = 0;
   ArticulatedBody body(links);
@@ -188,7 +188,7 @@ TEST(ArticulatedBody, TopPrecessesSteadily) {
   const double mass = 1.5, far = 0.2, i3 = 0.01, across = 0.02, tilt = 0.6, turn = 2.0;
   const double i1 = across + mass * far * far;
   const double spin = (i1 * turn * turn * std::cos(tilt) + mass * 9.81 * far) / (i3 * turn);
-  const std::vector<Link> links{
+  const Array<Link> links{
       {.mass = mass, .center = {0, far, 0}, .inertia = {.xx = across, .yy = i3, .zz = across}}};
   ArticulatedBody body(links);
   State s = start_of(body);
@@ -226,7 +226,7 @@ Link bar(Vec3 axis, double length, double mass) {
 TEST(ArticulatedBody, SlenderLinksSwing) {
   for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0.36, 0.48, 0.8}}) {
     const double length = 0.6;
-    const std::vector<Link> links{bar(axis, length, 3)};
+    const Array<Link> links{bar(axis, length, 3)};
     ArticulatedBody body(links);
     State s = start_of(body);
     // Level: from the axis to x.
@@ -245,8 +245,8 @@ TEST(ArticulatedBody, SlenderLinksSwing) {
 }
 
 /// A body of random links and joints; `slender`: some of them bars on spherical joints.
-std::vector<Link> random_links(test::Random& random, bool floats, bool slender) {
-  std::vector<Link> links;
+Array<Link> random_links(test::Random& random, bool floats, bool slender) {
+  Array<Link> links;
   for (std::uint32_t i = 0; i < 9; ++i) {
     const Joint joints[] = {Joint::spherical, Joint::revolute, Joint::prismatic};
     // The translation of a floating base does not turn: nothing but a spherical joint in its centre of mass.
@@ -286,7 +286,7 @@ bool is_bar(const Link& link) {
   return link.joint == Joint::spherical && link.grip == 2 * link.center;
 }
 
-State random_state(const ArticulatedBody& body, const std::vector<Link>& links, test::Random& random) {
+State random_state(const ArticulatedBody& body, const Array<Link>& links, test::Random& random) {
   State s = start_of(body);
   for (double& x : s.q) x = test::signed_unit(random);
   for (double& x : s.v) x = 2 * test::signed_unit(random);
@@ -298,7 +298,7 @@ State random_state(const ArticulatedBody& body, const std::vector<Link>& links, 
 
 /// Velocities of centres and angular velocities per speed: 6 rows a link. Motions are linear in speeds, so
 /// finite differences of any size are exact.
-MatrixXd jacobian(const ArticulatedBody& body, const std::vector<Link>& links, const State& s) {
+MatrixXd jacobian(const ArticulatedBody& body, const Array<Link>& links, const State& s) {
   MatrixXd j(6 * static_cast<Eigen::Index>(links.size()), body.speeds());
   for (Eigen::Index k = 0; k < body.speeds(); ++k) {
     const Motion motion = motion_of(body, links, {s.q, VectorXd::Unit(body.speeds(), k)});
@@ -316,12 +316,12 @@ TEST(ArticulatedBody, InvertsTheMassMatrix) {
   test::Random random(17);
   for (int round = 0; round < 40; ++round) {
     const bool slender = round % 2 == 0;
-    const std::vector<Link> links = random_links(random, round % 4 < 2, slender);
+    const Array<Link> links = random_links(random, round % 4 < 2, slender);
     ArticulatedBody body(links);
     State s = random_state(body, links, random);
     const MatrixXd j = jacobian(body, links, s);
     MatrixXd masses = MatrixXd::Zero(j.rows(), j.rows());
-    std::vector<LinkMotion> motion(links.size());
+    Array<LinkMotion> motion(links.size());
     s.v.setZero();
     body.motions(s.q, s.v, {}, {}, motion);
     for (std::size_t i = 0; i < links.size(); ++i) {
@@ -352,7 +352,7 @@ TEST(ArticulatedBody, InvertsTheMassMatrix) {
 TEST(ArticulatedBody, BalancesForcesOfInertia) {
   test::Random random(23);
   for (int round = 0; round < 40; ++round) {
-    const std::vector<Link> links = random_links(random, round % 4 < 2, round % 2 == 0);
+    const Array<Link> links = random_links(random, round % 4 < 2, round % 2 == 0);
     ArticulatedBody body(links);
     const State s = random_state(body, links, random);
     std::vector<Vec3> forces;
@@ -390,7 +390,7 @@ TEST(ArticulatedBody, BalancesForcesOfInertia) {
 TEST(ArticulatedBody, FloatingBodiesKeepTheirMomenta) {
   test::Random random(29);
   for (int round = 0; round < 4; ++round) {
-    const std::vector<Link> links = random_links(random, true, round % 2 == 0);
+    const Array<Link> links = random_links(random, true, round % 2 == 0);
     ArticulatedBody body(links);
     State s = random_state(body, links, random);
     const Motion first = motion_of(body, links, s);

@@ -120,8 +120,8 @@ TEST(BendLaw, TheDefiniteSlopeIsNeverNegative) {
 // A chain has a band as its matrix, so that its factors grow with the chain alone.
 TEST(LoopSystem, ABentChainTakesLinearTime) {
   const auto operations = [](std::uint32_t nodes) {
-    std::vector<LoopRod> rods{{0, nodes}};
-    std::vector<LoopBend> bends{{{nodes + 1, nodes, 0}}, {{nodes, 0, 1}}};
+    Array<LoopRod> rods{{0, nodes}};
+    Array<LoopBend> bends{{{nodes + 1, nodes, 0}}, {{nodes, 0, 1}}};
     for (std::uint32_t i = 1; i < nodes; ++i) rods.push_back({i, i - 1});
     for (std::uint32_t i = 2; i < nodes; ++i) bends.push_back({{i - 2, i - 1, i}});
     return LoopSystem(rods, nodes, true, {bends, {}, {}}).analysis.operations() / nodes;
@@ -136,7 +136,7 @@ TEST(LoopBends, HaveWeightsOfTheirLengths) {
   scene.particles.push_back({.position = {2, 4, 0}, .mass = 1});
   scene.rods = {{.a = 0, .b = 1}, {.a = 2, .b = 1}};
   scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 3, .damping = 5}};
-  const auto topology = std::make_shared<LoopTopology>(2, 3, std::vector<LoopRod>{{1, 0}, {0, 2}});
+  const auto topology = std::make_shared<LoopTopology>(2, 3, Array<LoopRod>{{1, 0}, {0, 2}});
   topology->bends = {{{2, 0, 1}}};
   LoopState state(topology);
   state.mass_unit = 2;

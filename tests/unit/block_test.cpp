@@ -47,9 +47,9 @@ TEST(Constants, AreOfTheSceneAsItIs) {
   scene.particles = {test::fixed({0, 0, 0}), test::movable({3, 4, 0}, 4), test::movable({3, 4, 9}, 0.5)};
   scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2, .length = 10}};
   const Constants constants = make_constants(scene);
-  EXPECT_EQ(constants.length2, (std::vector<double>{25, 100}));
-  EXPECT_EQ(constants.inverse_mass, (std::vector<double>{0, 0.25, 2}));
-  EXPECT_EQ(constants.valence, (std::vector<std::uint32_t>{1, 2, 1}));
+  EXPECT_EQ(constants.length2, (Array<double>{25, 100}));
+  EXPECT_EQ(constants.inverse_mass, (Array<double>{0, 0.25, 2}));
+  EXPECT_EQ(constants.valence, (Array<std::uint32_t>{1, 2, 1}));
 }
 
 // In every layout: what is written to a slot is read from it, and from no other.

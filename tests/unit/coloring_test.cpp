@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
 
 namespace plumb::layouts {
 namespace {
 
-using Colors = std::vector<std::uint32_t>;
+using Colors = Array<std::uint32_t>;
 
 TEST(Coloring, OfNothingHasNoColors) {
   const Coloring coloring = color_edges({});
@@ -45,7 +44,7 @@ TEST(Coloring, LetsEdgesShareAFixedVertex) {
 
 TEST(Coloring, TakesTheLeastUsedColor) {
   // A path opens colours 0 and 1; two separate edges go to 0 and 1, least used first, lowest of equals.
-  const LocalGraph g{{{0, 1}, {1, 2}, {2, 3}, {4, 5}, {6, 7}, {8, 9}}, std::vector<std::uint8_t>(10, 1)};
+  const LocalGraph g{{{0, 1}, {1, 2}, {2, 3}, {4, 5}, {6, 7}, {8, 9}}, Array<std::uint8_t>(10, 1)};
   const Coloring coloring = color_edges(g.view());
   EXPECT_EQ(coloring.color_of_edge, (Colors{0, 1, 0, 1, 0, 1}));
 }

@@ -42,7 +42,7 @@ struct SomeContacts {
   std::vector<LinkageState*> cluster{&state};
   Crowd<T> crowd;
   ContactVectors<T> vectors{simd::kernels<T>(best_isa())};
-  std::vector<std::vector<typename Crowd<T>::Term>> terms;
+  Array<Array<typename Crowd<T>::Term>> terms;
   std::vector<double> push = std::vector<double>(count);
   std::vector<Vec3> across = std::vector<Vec3>(count), normal;
   std::uint32_t in_vectors = 0;
@@ -129,7 +129,7 @@ TEST(ContactVectors, LeaveOutWhatDoesNotFit) {
   SomeContacts<double> some;
   const auto place = [&](std::uint32_t k) { return some.crowd.number_of(0, k); };
   some.vectors.begin(some.crowd);
-  std::vector<Crowd<double>::Term> terms;
+  Array<Crowd<double>::Term> terms;
   EXPECT_FALSE(some.vectors.color(some.crowd, terms));
   for (std::uint32_t k = 0; k < 5; ++k) terms.push_back({place(k), 0.2, 0.2});
   EXPECT_FALSE(some.vectors.color(some.crowd, terms));
@@ -150,10 +150,10 @@ TEST(PairOrder, SortsAsStandardSortDoesAndDropsWhatComesTwice) {
   Random random(3);
   PairOrder<Named> order;
   for (const std::uint32_t count : {1u, 2u, 40u}) {
-    std::vector<Named> pairs;
+    Array<Named> pairs;
     for (std::uint32_t second = 0; second < count; ++second)
       for (int i = 0; i < 10; ++i) pairs.push_back({static_cast<std::uint32_t>(random() % count), second});
-    std::vector<Named> wanted = pairs;
+    Array<Named> wanted = pairs;
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     // Duplicates of one second number follow each other in their order of being found.
@@ -161,7 +161,7 @@ TEST(PairOrder, SortsAsStandardSortDoesAndDropsWhatComesTwice) {
     order.sort(pairs, &Named::first, count);
     EXPECT_EQ(pairs, wanted);
   }
-  std::vector<Named> none;
+  Array<Named> none;
   order.sort(none, &Named::first, 0);
   EXPECT_TRUE(none.empty());
 }

@@ -187,7 +187,7 @@ TEST(Crowds, ListWhatIsFastInABox) {
     Crowd<double> crowd(simd::kernels<double>(best_isa()));
     crowd.gather(cluster, {});
     crowd.predict(h, Gradient::new_);
-    std::vector<std::uint32_t> want, room;
+    Array<std::uint32_t> want, room;
     for (std::uint32_t k = 0; k < crowd.places().particles(); ++k) {
       const std::uint32_t at = crowd.places().at(k);
       const Vec3 there = crowd.position(at);
@@ -286,7 +286,7 @@ TEST(Middle, IsTheSumThatBlendMakes) {
   b.add(1, 1);
   const auto term_of = [&](const Combination& sum) { return crowd.term(one.kind, 0, sum.terms[0]); };
   for (const double t : {0.0, 0.3, 1.0}) {
-    std::vector<Crowd<double>::Term> want;
+    Array<Crowd<double>::Term> want;
     crowd.add_terms(one.kind, 0, blend(a, b, t), 1, want);
     const Middle<double> by_sum(crowd, one.kind, 0, blend(a, b, t)), by_ends(term_of(a), term_of(b), t);
     for (const auto got : {by_sum.terms(), by_ends.terms()}) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "direct/elastic_nets/net_matrix.hpp"
@@ -35,7 +36,7 @@ struct Island {
     state = std::make_unique<LoopState>(shape, scene, MassModel::consistent, vertices, of.islands.edges(0));
     work = std::make_unique<LoopWorkspace>(*state, gradient, Isa::scalar);
   }
-  std::vector<Vec3> by_particle(const std::vector<double>& numbers) const {
+  std::vector<Vec3> by_particle(std::span<const double> numbers) const {
     std::vector<Vec3> out(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (3 * i < numbers.size()) out[vertices[i]] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};

@@ -20,7 +20,7 @@ namespace {
 
 /// A line of nodes along x between two fixed vertices, with rods of that length.
 LoopState line(std::uint32_t nodes, double span, double length) {
-  std::vector<LoopRod> rods;
+  Array<LoopRod> rods;
   for (std::uint32_t i = 0; i <= nodes; ++i)
     rods.push_back(i == 0       ? LoopRod{0, nodes}
                    : i == nodes ? LoopRod{nodes - 1, nodes + 1}
@@ -92,7 +92,7 @@ TEST(DisplacementNewton, FindsWhatMultipliersFind) {
 TEST(ElasticRods, AreNotMovedByWhatIsNotFinite) {
   LoopState state = line(2, 3.3, 1);
   state.force[0] = std::numeric_limits<double>::infinity();
-  const std::vector<double> before = state.x;
+  const Array<double> before = state.x;
   LoopWorkspace work(state, Gradient::new_, Isa::scalar);
   Tally tally;
   LoopStepper(Gradient::new_, 0).advance_elastic(state, 0.01, work, tally);

@@ -48,7 +48,7 @@ TEST(Flight, HasItsOrder) {
 TEST(Flight, PutsBackWhatItCannotLand) {
   test::Linkages islands(hinged_boxes());
   LinkageState& state = islands.states[0];
-  const std::vector<Vec3> x = state.x, v = state.v;
+  const Array<Vec3> x = state.x, v = state.v;
   Flight flight;
   Tally tally;
   EXPECT_FALSE(flight.step(state, 4, 10, tally));

@@ -24,7 +24,7 @@ class Ball {
 
   /// Returns where a push takes it, at rest and free otherwise, in m. `steps` says in how many of Newton's.
   Vec3 moved_by(Vec3 push, int& steps) {
-    std::vector<simd::Quad> unknowns(linkage_.plan().columns());
+    Array<simd::Quad> unknowns(linkage_.plan().columns());
     Vec3 moved = (1 / mass) * push;
     ground_.begin_positions(false, false);
     for (steps = 0; steps < 20; ++steps) {

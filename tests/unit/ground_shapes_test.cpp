@@ -100,7 +100,7 @@ TEST(GroundSearch, FloorsOfBoxesHaveNoEdges) {
     const Vec3 at{0.35 * test::signed_unit(random) + 0.1, radius + 1e-4 * test::signed_unit(random),
                   0.6 * test::signed_unit(random)};
     int up = 0, aside = 0;
-    std::vector<std::uint32_t> near;
+    Array<std::uint32_t> near;
     Bounds bounds = nowhere;
     include(bounds, at, 0.3);
     around.find(bounds, near);

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
 namespace plumb::layouts {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 
 Ids vertices_of(const Islands& islands, std::uint32_t island) {
   const auto vertices = islands.vertices(island);
@@ -74,11 +73,11 @@ TEST(LocalGraph, NumbersMovableVerticesFirst) {
   ASSERT_EQ(islands.count(), 2u);
   // Island {1, 3}: vertices 1, 3, then the fixed 0, 2.
   const LocalGraph local = local_graph(g.view(), islands, 0);
-  EXPECT_EQ(local.movable, (std::vector<std::uint8_t>{1, 1, 0, 0}));
-  EXPECT_EQ(local.edges, (std::vector<Edge>{{2, 1}, {1, 0}, {3, 0}}));
+  EXPECT_EQ(local.movable, (Array<std::uint8_t>{1, 1, 0, 0}));
+  EXPECT_EQ(local.edges, (Array<Edge>{{2, 1}, {1, 0}, {3, 0}}));
   const LocalGraph other = local_graph(g.view(), islands, 1);
-  EXPECT_EQ(other.movable, (std::vector<std::uint8_t>{1, 0}));
-  EXPECT_EQ(other.edges, (std::vector<Edge>{{0, 1}}));
+  EXPECT_EQ(other.movable, (Array<std::uint8_t>{1, 0}));
+  EXPECT_EQ(other.edges, (Array<Edge>{{0, 1}}));
 }
 
 TEST(LocalGraph, ViewShowsTheWholeGraph) {
@@ -93,7 +92,7 @@ TEST(EqualIslands, AreGroupedWhateverLiesBetweenThem) {
   const LocalGraph g{{{0, 1}, {1, 2}, {3, 4}, {0, 5}, {5, 6}, {0, 7}, {7, 8}},
                      {0, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
   const auto groups = group_equal_islands(g.view(), find_islands(g.view()));
-  EXPECT_EQ(groups, (std::vector<Ids>{{0, 2, 3}, {1}, {4}}));
+  EXPECT_EQ(groups, (Array<Ids>{{0, 2, 3}, {1}, {4}}));
 }
 
 TEST(EqualIslands, DifferByDirectionOrderAndFixedVertices) {
@@ -110,7 +109,7 @@ TEST(EqualIslands, DifferByDirectionOrderAndFixedVertices) {
                      },
                      {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1}};
   const auto groups = group_equal_islands(g.view(), find_islands(g.view()));
-  EXPECT_EQ(groups, (std::vector<Ids>{{0}, {1}, {2}, {3}, {4}}));
+  EXPECT_EQ(groups, (Array<Ids>{{0}, {1}, {2}, {3}, {4}}));
 }
 
 TEST(EqualIslands, AHundredThousandTakeNoQuadraticTime) {

@@ -93,7 +93,7 @@ TEST(NamedParts, JoinInTheOrderOfNumbers) {
   parts[1].names.hulls = {3};
   detail::Meeting meeting{{}, {}, {}, detail::joined(parts), {}};
   const detail::NamedPart& all = meeting.others;
-  EXPECT_EQ(all.names.particles, (std::vector<std::uint32_t>{1, 2, 3, 4, 7, 8, 9}));
+  EXPECT_EQ(all.names.particles, (Array<std::uint32_t>{1, 2, 3, 4, 7, 8, 9}));
   EXPECT_EQ(all.scene.particles[3].mass, 3);
   EXPECT_EQ(all.scene.bodies[1].particles, (std::array<std::uint32_t, 4>{6, 3, 4, 5}));
   EXPECT_EQ(all.scene.hulls[0].body, 1u);

@@ -73,7 +73,7 @@ TEST(Linkage, ViolationsAreStrains) {
   scene.capsules = {{.a = point_at(0), .b = point_at(1), .radius = 0.1}};
   test::Linkages islands(scene);
   LinkageState& state = islands.states.front();
-  std::vector<simd::Quad> numbers_of(state.linkage->plan().columns());
+  Array<simd::Quad> numbers_of(state.linkage->plan().columns());
   const std::span<double> right = numbers(numbers_of);
   EXPECT_EQ(state.linkage->violations(state.x, {}, right), 0);
   state.x[1].x = 2.2;

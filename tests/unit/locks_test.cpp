@@ -16,7 +16,7 @@ namespace {
 
 /// Three nodes in a line between two anchors, which are vertices 3 and 4, with rods of 1 m.
 LoopState line(double span) {
-  LoopState state(std::make_shared<LoopTopology>(3, 5, std::vector<LoopRod>{{0, 3}, {0, 1}, {1, 2}, {2, 4}}));
+  LoopState state(std::make_shared<LoopTopology>(3, 5, Array<LoopRod>{{0, 3}, {0, 1}, {1, 2}, {2, 4}}));
   for (const std::uint32_t vertex : {0u, 1u, 2u, 3u, 4u})
     state.x[3 * vertex] = vertex < 3 ? (vertex + 1) * span / 4 : vertex == 4 ? span : 0;
   std::fill(state.length2.begin(), state.length2.end(), 1.0);
@@ -44,9 +44,9 @@ TEST(Locks, HoldWhileAnchorsMoveAlike) {
 TEST(EliminationOrder, HasEveryNodeOnce) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (std::uint32_t i = 0; i < 100; ++i) edges.emplace_back(i, (i + 1) % 100);
-  std::vector<std::uint32_t> all(100);
+  Array<std::uint32_t> all(100);
   std::iota(all.begin(), all.end(), 0u);
-  for (std::vector<std::uint32_t> order : {order_by_degree(100, edges), order_by_dissection(100, edges)}) {
+  for (auto order : {order_by_degree(100, edges), order_by_dissection(100, edges)}) {
     std::sort(order.begin(), order.end());
     EXPECT_EQ(order, all);
   }

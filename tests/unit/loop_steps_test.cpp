@@ -157,7 +157,7 @@ TEST(LoopLines, HistoryIsTakenBack) {
   for (int i = 0; i < 3; ++i) stepper.advance(*island.state, 0.005, *island.work, report);
   ASSERT_EQ(lines.past.known, 2);
   lines.keep_history();
-  const std::vector<double> before = lines.past.before;
+  const Array<double> before = lines.past.before;
   stepper.advance(*island.state, 0.005, *island.work, report);
   EXPECT_NE(lines.past.before, before);
   lines.take_history_back();

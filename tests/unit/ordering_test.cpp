@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
 
 namespace plumb::layouts {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 
 TEST(Bandwidth, IsTheLongestEdgeInTheOrder) {
   const LocalGraph g{{{0, 1}, {3, 1}}, {1, 1, 1, 1}};

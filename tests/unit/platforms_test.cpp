@@ -101,7 +101,7 @@ TEST(Anchored, MovesAsItsAnchorsDo) {
   }
   EXPECT_LE(norm(anchored.rate(1, anchored.positions()).spin - spin), 1e-14)
       << "its particles are the body's";
-  std::vector<Vec3> later;
+  Array<Vec3> later;
   anchored.find_positions(0.1, later);
   const Segment there = anchored.segment(0, later);
   EXPECT_LE(norm(there.q - (Vec3{0, 0, 2} + 0.1 * (velocity + cross(spin, Vec3{0, 0, 2})))), 1e-14);

@@ -26,7 +26,7 @@ TEST(ProjectVelocities, LeavesWhatRodsAllow) {
   test::Random random(9);
   Scene scene = scenes::make_chain(20, 0.1, 10);
   scene.particles[0] = test::movable(scene.particles[0].position, 3);
-  std::vector<Vec3> v(scene.particles.size());
+  Array<Vec3> v(scene.particles.size());
   Vec3 before{}, after{};
   for (std::size_t i = 0; i < v.size(); ++i) {
     v[i] = test::random_vector(random);
@@ -43,7 +43,7 @@ TEST(ProjectVelocities, LeavesWhatRodsAllow) {
 // What does not pull is left alone, bit for bit.
 TEST(ProjectVelocities, DoesNothingWhereNothingPulls) {
   const Scene scene = scenes::make_net(3, 3);
-  std::vector<Vec3> v(scene.particles.size());
+  Array<Vec3> v(scene.particles.size());
   EXPECT_EQ(project_velocities(scene, inverse_masses(scene), v), 0);
   for (const Vec3 each : v) EXPECT_EQ(each, Vec3{});
 }

@@ -137,7 +137,7 @@ TEST(ReelScenes, BeginWithTheParticlesFreeThatAreHalfARodOut) {
     const Scene scene = make_reeled({.rods = 4, .length = 0.5, .out = out});
     const detail::ReelStart start = detail::start_of(scene, detail::RodTable(scene), scene.reels[0]);
     EXPECT_EQ(start.out, out != 0 ? out : 2);
-    EXPECT_EQ(start.behind, (std::vector<double>{2, 1.5, 1, 0.5, 0}));
+    EXPECT_EQ(start.behind, (Array<double>{2, 1.5, 1, 0.5, 0}));
     return start.first;
   };
   EXPECT_EQ(first(0), 1u);
@@ -162,8 +162,8 @@ TEST(ReelScenes, WoundRodsHaveNoStrainAndLieAtTheDrum) {
   for (std::uint32_t rod = 0; rod < 4; ++rod) EXPECT_FALSE(world.is_broken(rod));
   EXPECT_TRUE(world.problems(1e-9).empty());
   EXPECT_LT(test::stretch_of(scene, world).max, 1e-12);
-  EXPECT_EQ(detail::rods_at_drums(scene, test::positions_of(world)), (std::vector<std::uint8_t>{1, 1, 1, 0}));
-  EXPECT_EQ(detail::reeled_rods(scene), (std::vector<std::uint8_t>{1, 1, 1, 1}));
+  EXPECT_EQ(detail::rods_at_drums(scene, test::positions_of(world)), (Array<std::uint8_t>{1, 1, 1, 0}));
+  EXPECT_EQ(detail::reeled_rods(scene), (Array<std::uint8_t>{1, 1, 1, 1}));
   world.move_anchor(0, {0.1, 0.2, 0});
   world.step(0.01);
   EXPECT_EQ(world.position(1), (Vec3{0.1, 0.2, 0})) << "with the drum";
@@ -190,7 +190,7 @@ TEST(LoopReel, IsOrderedByWhatItHasAndAnElementOfItsIsland) {
 
 TEST(ReelView, CornersFadeFromWhatTheyBeginWith) {
   const Scene scene = make_reeled({.rods = 2, .length = 1});
-  const std::vector<detail::LoopRod> rods{{0, 2}, {1, 0}};
+  const Array<detail::LoopRod> rods{{0, 2}, {1, 0}};
   auto topology = std::make_shared<detail::LoopTopology>(2, 3, rods);
   topology->reels = {{{2, 0, 1}, {0, 1}}};
   detail::LoopState state(topology);

@@ -230,7 +230,7 @@ TEST(Problems, AreWhatCountsSay) {
   ++after.unsolved;
   ++after.elastic_substeps;
   ++after.capped_steps;
-  std::vector<Problem> found;
+  Array<Problem> found;
   append_problems(troubles_between(before, after), 7, found);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(to_string(found[0].kind), "unsolved");
@@ -244,7 +244,7 @@ TEST(RodJudge, LeavesOutWhatMayBeOffItsLength) {
   scene.rods[1].law.stiffness = 10;
   scene.rods[2].law.one_sided = true;
   const RodJudge judge(scene);
-  std::vector<Problem> found;
+  Array<Problem> found;
   const auto squeezed = [&](std::uint32_t i) { return 0.5 * scene.particles[i].position; };
   const auto strain = [](std::uint32_t, double distance) { return distance / 0.1 - 1; };
   judge.judge(

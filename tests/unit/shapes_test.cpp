@@ -6,14 +6,13 @@
 #include <numeric>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
 
 namespace plumb::layouts {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 
 Ids identity(std::size_t n) {
   Ids ids(n);

@@ -106,11 +106,11 @@ TEST(Archive, NeverReadsOrWritesBeyondItsEnd) {
 }
 
 TEST(Archive, TellsWhichFlagsChange) {
-  std::vector<std::uint8_t> flags{0, 1, 1};
+  Array<std::uint8_t> flags{0, 1, 1};
   std::vector<std::byte> bytes(8 + 3);
   EXPECT_FALSE(Archive::save(bytes).changes(flags));
   EXPECT_FALSE(Archive::restore(bytes).changes(flags));
-  for (std::vector<std::uint8_t> other : {std::vector<std::uint8_t>{0, 0, 1}, {}, {0, 1, 1, 0}}) {
+  for (Array<std::uint8_t> other : {Array<std::uint8_t>{0, 0, 1}, {}, {0, 1, 1, 0}}) {
     EXPECT_TRUE(Archive::restore(bytes).changes(other));
     EXPECT_EQ(other, flags);
   }

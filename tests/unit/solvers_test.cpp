@@ -48,8 +48,8 @@ struct Maker {
   Method method;
 };
 
-std::vector<MadeSolver> make(const Maker& maker, const Scene& scene, const test::IslandsOf& of,
-                             StartReport& report) {
+Array<MadeSolver> make(const Maker& maker, const Scene& scene, const test::IslandsOf& of,
+                       StartReport& report) {
   const Settings settings{.method = maker.method, .accuracy = std::nullopt, .threads = 1};
   if (maker.method == Method::relax) return make_relax_solvers(scene, of.sets, settings, report);
   if (maker.method == Method::multipliers) return make_reference_solvers(scene, of.sets, settings, report);

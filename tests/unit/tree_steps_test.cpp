@@ -132,7 +132,7 @@ TEST(TreeKinds, RememberTreesAsTheyAreFound) {
       EXPECT_EQ(tree->tie_begin, found.tie_begin) << rods;
       EXPECT_EQ(tree->ties.size(), found.ties.size()) << rods;
     }
-  const std::vector<layouts::Edge> ring{{0, 1}, {1, 2}, {2, 0}};
+  const Array<layouts::Edge> ring{{0, 1}, {1, 2}, {2, 0}};
   for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(kinds.tree_of({ring, {1, 1, 1}}), nullptr);
 }
 

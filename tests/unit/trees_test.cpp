@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
 
 namespace plumb::layouts {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 
 TEST(Trees, AChainIsNumberedFromItsTie) {
   // [3] - 2 - 0 - 1, edges in no order: the root is the vertex at the tie.

@@ -313,7 +313,7 @@ TEST(TouchMesh, FullListsKeepTheNarrowest) {
 TEST(Weld, NamesTheFirstInEachPlace) {
   const std::vector<Vec3> vertices = {
       {1, 2, 3}, {0, 0, 0}, {1, 2, 3}, {1, 2, 3.0000000000000004}, {0, 0, -0.0}};
-  EXPECT_EQ(weld(vertices), (std::vector<std::uint32_t>{0, 1, 0, 3, 1}));
+  EXPECT_EQ(weld(vertices), (Array<std::uint32_t>{0, 1, 0, 3, 1}));
   EXPECT_TRUE(weld({}).empty());
 }
 

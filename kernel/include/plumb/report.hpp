@@ -140,6 +140,12 @@ struct StepReport {
 /// (World::set_zones()). Names last as long as the program. Calls come from the thread that steps.
 using Zones = std::function<void(std::string_view stage, bool begins)>;
 
+/// Says whether a line of a log tells of something that goes wrong, or of something else.
+enum class LogLevel : std::uint8_t { info, warning };
+/// Hears in words what goes wrong in a world, and when that ends (World::set_log()). A line is valid during
+/// the call, which comes from the thread that steps.
+using Log = std::function<void(LogLevel level, std::string_view line)>;
+
 /// Says how one block of a scene is laid out, for `plumb info` and reports.
 struct BlockInfo {
   std::string shape;                ///< chain, grid, lanes (equal islands side by side), graph or linkage.
@@ -176,6 +182,9 @@ struct WorldInfo {
   double projected_position = 0;
   std::uint32_t unprojected_islands = 0;  ///< Islands whose rods do not fit, and share what they lack.
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
+  /// Bytes that arrays of the world hold now. Its copy of the scene is not among them, nor are lists of a few
+  /// things in trees.
+  std::size_t memory = 0;
 };
 
 /// Says what went wrong in the last step of a World (World::problems()), or in the last one before its island

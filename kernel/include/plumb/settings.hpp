@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "plumb/embedding/memory.hpp"
 #include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 
@@ -209,6 +211,11 @@ struct Settings {
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.
   Executor* executor = nullptr;  ///< None: make_default_executor(). It must outlive the World.
+  /// What a world gets the memory of its arrays from. It must outlive the World, and be safe to use from
+  /// several threads at once unless `threads` is 1. None: the heap.
+  MemoryResource* memory = nullptr;
+  /// Most bytes that arrays of a world take when it begins (WorldInfo::memory). A larger scene is refused.
+  std::optional<std::size_t> most_memory{};
 };
 
 /// Returns the gradient that settings stand for, which depends on the method if none is set.

@@ -79,6 +79,8 @@ class PLUMB_API World {
 
   /// Lets `zones` hear of every stage from the next step on; an empty one ends that. It must not throw.
   void set_zones(Zones zones);
+  /// Tells `log` now how the scene was compiled, and from then on when troubles begin and end.
+  void set_log(Log log);
 
   /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError
   /// on an unknown or fixed particle or a force that is not finite.

@@ -31,7 +31,7 @@ std::uint32_t count_speeds(Joint joint) {
 
 }  // namespace
 
-ArticulatedBody::ArticulatedBody(std::vector<Link> links) : links_(std::move(links)) {
+ArticulatedBody::ArticulatedBody(Array<Link> links) : links_(std::move(links)) {
   for (std::uint32_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     if (link.parent != Link::base && link.parent >= i)
@@ -84,8 +84,8 @@ bool ArticulatedBody::is_slender(std::uint32_t i, Vec3& axis) const {
 
 void ArticulatedBody::find_kinds() {
   const auto n = static_cast<std::uint32_t>(links_.size());
-  std::vector<Vec3> axis(n);
-  std::vector<std::uint8_t> slender(n), rod(n);
+  Array<Vec3> axis(n);
+  Array<std::uint8_t> slender(n), rod(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     rod[i] = is_rod(i);
     slender[i] = rod[i] || is_slender(i, axis[i]);

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "plumb/inertia.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 #include "reference/multipliers/small_matrices.hpp"
 
@@ -69,7 +69,7 @@ class ArticulatedBody {
  public:
   /// Takes the links. Throws std::invalid_argument on a parent that does not come before its link, or a
   /// translation that is not on the base.
-  explicit ArticulatedBody(std::vector<Link> links);
+  explicit ArticulatedBody(Array<Link> links);
 
   std::uint32_t links() const { return static_cast<std::uint32_t>(links_.size()); }
   Eigen::Index coordinates() const { return coordinates_; }
@@ -162,12 +162,12 @@ class ArticulatedBody {
   void accelerate_general(std::uint32_t link, const BodyLoad& load, double* out);
   Vec3 joint_acceleration(std::uint32_t link, Vec3 base) const;
 
-  std::vector<Link> links_;
-  std::vector<Node> nodes_;
-  std::vector<General> general_;
-  std::vector<std::uint32_t> general_links_;
-  std::vector<Slot> slots_;
-  std::vector<RodWork> rods_;  ///< by link's number
+  Array<Link> links_;
+  Array<Node> nodes_;
+  Array<General> general_;
+  Array<std::uint32_t> general_links_;
+  Array<Slot> slots_;
+  Array<RodWork> rods_;  ///< by link's number
   Eigen::Index coordinates_ = 0, speeds_ = 0;
 };
 

@@ -23,7 +23,7 @@ class Finder {
   }
 
   BodyTree find() {
-    std::vector<bool> known(island_.bodies.size());
+    Array<bool> known(island_.bodies.size());
     std::size_t used = 0;
     const auto hang = [&](BodyTree::Hung root) {
       known[root.body] = true;
@@ -157,7 +157,7 @@ class Finder {
 
   const Scene& island_;
   std::uint32_t particle_, ground_;
-  std::vector<Joint> joints_;
+  Array<Joint> joints_;
   BodyTree out_;
 };
 

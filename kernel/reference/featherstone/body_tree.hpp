@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -19,10 +19,10 @@ struct BodyTree {
     Vec3 joint;            ///< place of the joint, or of the centre of a body that floats, in m
     Vec3 axis;             ///< unit axis of a hinge
   };
-  std::vector<Hung> hung;
-  std::vector<std::uint32_t> owner;  ///< by particle: the first body that has it, or none if it is fixed
-  bool hangs = false;                ///< whether the first body hangs from `ground`
-  Point ground{};                    ///< a place of fixed particles
+  Array<Hung> hung;
+  Array<std::uint32_t> owner;  ///< by particle: the first body that has it, or none if it is fixed
+  bool hangs = false;          ///< whether the first body hangs from `ground`
+  Point ground{};              ///< a place of fixed particles
 };
 
 /// Finds it. Throws InputError, which names `particle`, if something else holds the island together.

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 /// Refuses a loop: names the first rod, in the scene's order, whose ends the rods before it join already.
 [[noreturn]] void refuse_loop(const Scene& island, const IslandNames& names) {
-  std::vector<std::uint32_t> above(island.particles.size());
+  Array<std::uint32_t> above(island.particles.size());
   std::iota(above.begin(), above.end(), 0u);
   const auto root_of = [&](std::uint32_t i) {
     while (above[i] != i) i = above[i] = above[above[i]];
@@ -135,7 +135,7 @@ class Featherstone final : public MechanicalSystem {
 
   /// Makes the links. Link i moves the tree's node i: its particle and the rod above it.
   void make_body(const Scene& island, MassModel model, const layouts::Tree& tree) {
-    std::vector<Link> links;
+    Array<Link> links;
     particles_ = tree.vertex;
     for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
       const double own = island.particles[tree.vertex[i]].mass;
@@ -184,7 +184,7 @@ class Featherstone final : public MechanicalSystem {
     }
     const auto moves = [](const Particle& p) { return !p.fixed && !(p.velocity == Vec3{}); };
     if (std::none_of(island.particles.begin(), island.particles.end(), moves)) return;
-    std::vector<Vec3> momentum(island.particles.size());
+    Array<Vec3> momentum(island.particles.size());
     const auto velocity = [&](std::uint32_t i) {
       return island.particles[i].fixed ? Vec3{} : island.particles[i].velocity;
     };
@@ -196,7 +196,7 @@ class Featherstone final : public MechanicalSystem {
       momentum[rod.a] += mass.aa * velocity(rod.a) + mass.ab * velocity(rod.b);
       momentum[rod.b] += mass.ab * velocity(rod.a) + mass.bb * velocity(rod.b);
     }
-    std::vector<Vec3> impulses;
+    Array<Vec3> impulses;
     for (const std::uint32_t particle : particles_) impulses.push_back(momentum[particle]);
     body_->accelerations(start_.q, rest_, {.forces = impulses}, start_.v);
   }
@@ -217,15 +217,15 @@ class Featherstone final : public MechanicalSystem {
   std::uint32_t anchor_ =
       Link::base;  ///< the island's number of the fixed particle; base if there is none and the island floats
   Vec3 origin_{};  ///< origin of a floating base's coordinates, m
-  Vec3 anchor_velocity_{};                ///< the anchor's velocity in the last substep
-  std::vector<std::uint32_t> particles_;  ///< by link's number
-  std::vector<std::uint32_t> joints_;     ///< by rod: the particle at its joint
-  std::vector<double> tips_;              ///< by link: its particle's distance from its joint, m
+  Vec3 anchor_velocity_{};          ///< the anchor's velocity in the last substep
+  Array<std::uint32_t> particles_;  ///< by link's number
+  Array<std::uint32_t> joints_;     ///< by rod: the particle at its joint
+  Array<double> tips_;              ///< by link: its particle's distance from its joint, m
   MechanicalState start_;
-  std::vector<Vec3> forces_;
-  std::vector<LinkMotion> motions_;
-  std::vector<Vec3> positions_, velocities_;  ///< by the island's particle, as last placed
-  VectorXd rest_, change_;                    ///< zero speeds; what a blow of the anchor makes of them
+  Array<Vec3> forces_;
+  Array<LinkMotion> motions_;
+  Array<Vec3> positions_, velocities_;  ///< by the island's particle, as last placed
+  VectorXd rest_, change_;              ///< zero speeds; what a blow of the anchor makes of them
 };
 
 }  // namespace

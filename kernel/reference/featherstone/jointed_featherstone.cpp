@@ -77,7 +77,7 @@ class JointedFeatherstone final : public MechanicalSystem {
 
  private:
   /// Returns the part that the place from which all hangs takes of vectors of fixed particles.
-  Vec3 ground(const std::vector<Vec3>& of) const {
+  Vec3 ground(const Array<Vec3>& of) const {
     Vec3 sum{};
     for (std::size_t i = 0; tree_.hangs && i < 4; ++i)
       if (tree_.ground.weights[i] != 0) sum += tree_.ground.weights[i] * of[tree_.ground.particles[i]];
@@ -86,8 +86,8 @@ class JointedFeatherstone final : public MechanicalSystem {
 
   void make_links(const Scene& island) {
     const Vec3 base = ground(x_);
-    std::vector<Link> links;
-    std::vector<std::uint32_t> link_of(island.bodies.size());
+    Array<Link> links;
+    Array<std::uint32_t> link_of(island.bodies.size());
     for (const BodyTree::Hung& hung : tree_.hung) {
       Link link = weighed(island, hung);
       const bool on_body = hung.parent != BodyTree::none;
@@ -103,7 +103,7 @@ class JointedFeatherstone final : public MechanicalSystem {
       link_of[hung.body] = static_cast<std::uint32_t>(links.size());
       links.push_back(link);
     }
-    std::vector<Vec3> joint_of(island.bodies.size());
+    Array<Vec3> joint_of(island.bodies.size());
     for (const BodyTree::Hung& hung : tree_.hung) joint_of[hung.body] = hung.joint;
     for (std::uint32_t i = 0; i < movable_; ++i) {
       const std::uint32_t body = tree_.owner[i];
@@ -124,7 +124,7 @@ class JointedFeatherstone final : public MechanicalSystem {
       double mass;
       Vec3 at;
     };
-    std::vector<Part> parts{{body.mass, body.center}};
+    Array<Part> parts{{body.mass, body.center}};
     for (std::uint32_t i = 0; i < movable_; ++i)
       if (tree_.owner[i] == hung.body && island.particles[i].mass > 0)
         parts.push_back({island.particles[i].mass, x_[i]});
@@ -162,7 +162,7 @@ class JointedFeatherstone final : public MechanicalSystem {
         for (std::size_t k = 0; k < 4; ++k) add(of[j], mass[j][k] * velocity(of[k]));
     }
     if (pull_.isZero(0)) return;
-    Drive rest{{}, x_, std::vector<Vec3>(x_.size())};
+    Drive rest{{}, x_, Array<Vec3>(x_.size())};
     put(start_, rest, 0);
     gather();
     body_->accelerations(start_.q, rest_, {.forces = forces_, .moments = moments_}, start_.v);
@@ -210,12 +210,12 @@ class JointedFeatherstone final : public MechanicalSystem {
   std::optional<ArticulatedBody> body_;
   Vec3 ground_velocity_{};  ///< in the last substep
   MechanicalState start_;
-  std::vector<Carried> carried_;  ///< by movable particle
-  std::vector<LinkMotion> motions_;
-  std::vector<Vec3> forces_, moments_;  ///< by link
-  std::vector<Vec3> x_, v_;             ///< by particle, as last put
-  VectorXd pull_;                       ///< N, by movable particle
-  VectorXd rest_, change_;              ///< zero speeds; what a blow of the ground makes of them
+  Array<Carried> carried_;  ///< by movable particle
+  Array<LinkMotion> motions_;
+  Array<Vec3> forces_, moments_;  ///< by link
+  Array<Vec3> x_, v_;             ///< by particle, as last put
+  VectorXd pull_;                 ///< N, by movable particle
+  VectorXd rest_, change_;        ///< zero speeds; what a blow of the ground makes of them
 };
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace {
 /// A row gives way by this share of what its particles give way by themselves.
 constexpr double give = 1e-8;
 
-std::vector<Vec3> places(const Scene& scene) {
-  std::vector<Vec3> out;
+Array<Vec3> places(const Scene& scene) {
+  Array<Vec3> out;
   for (const Particle& particle : scene.particles) out.push_back(particle.position);
   return out;
 }
@@ -58,7 +58,7 @@ void JointEquations::add_masses(const Scene& island, MassModel model) {
 }
 
 void JointEquations::add_constraints(const Scene& island) {
-  const std::vector<Vec3> x = places(island);
+  const Array<Vec3> x = places(island);
   for (std::size_t r = 0; r < island.rods.size(); ++r) {
     const WeightedSum along{{{island.rods[r].b, 1.0}, {island.rods[r].a, -1.0}}};
     const double length = rod_length(island, r);
@@ -92,8 +92,8 @@ void JointEquations::find_flat_rows(const Scene& island) {
 
 void JointEquations::set_positions(std::span<const Vec3> x) {
   const Eigen::Index n = f.size();
-  std::vector<Eigen::Triplet<double>>& all = entries_;
-  const auto vector = [&](std::vector<Eigen::Triplet<double>>& to, Eigen::Index row, std::uint32_t particle,
+  Array<Eigen::Triplet<double>>& all = entries_;
+  const auto vector = [&](Array<Eigen::Triplet<double>>& to, Eigen::Index row, std::uint32_t particle,
                           Vec3 value) {
     if (particle >= movable_) return;
     const double of[3] = {value.x, value.y, value.z};
@@ -109,7 +109,7 @@ void JointEquations::set_positions(std::span<const Vec3> x) {
   jacobian_.resize(rows(), n);
   jacobian_.setFromTriplets(all.begin(), all.end());
   if (!is_analyzed_) {
-    std::vector<Eigen::Triplet<double>> masses;
+    Array<Eigen::Triplet<double>> masses;
     for (const Coupling& each : couplings_)
       for (int k = 0; k < 3 && each.b < movable_; ++k)
         masses.emplace_back(3 * Eigen::Index(each.a) + k, 3 * Eigen::Index(each.b) + k, each.mass);

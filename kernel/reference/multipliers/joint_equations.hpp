@@ -4,9 +4,9 @@
 #include <Eigen/SparseCore>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "linear/sparse_cholesky.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "reference/multipliers/refinement.hpp"
 #include "reference/multipliers/weighted_sum.hpp"
 
@@ -61,10 +61,10 @@ class JointEquations {
   double residuals();
 
   std::uint32_t movable_ = 0;
-  std::vector<Coupling> couplings_;  ///< all entries of M with a movable first particle
-  std::vector<double> masses_;       ///< kg, its diagonal, or a quarter of a flat body if that is more
-  std::vector<Constraint> constraints_;
-  std::vector<Eigen::Triplet<double>> entries_;
+  Array<Coupling> couplings_;  ///< all entries of M with a movable first particle
+  Array<double> masses_;       ///< kg, its diagonal, or a quarter of a flat body if that is more
+  Array<Constraint> constraints_;
+  Array<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> mass_, jacobian_, matrix_;
   Eigen::SparseMatrix<double> regular_mass_;  ///< M + Jᵀ rho J, which is regular where bodies are flat
   Eigen::VectorXd rho_;                       ///< of rows, kg/m²; none if no body is flat

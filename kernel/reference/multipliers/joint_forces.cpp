@@ -24,7 +24,7 @@ JointForces::JointForces(const Scene& island, std::uint32_t movable) : movable_(
   for (const Torsion& each : island.torsions)
     torsions_.push_back({way(each.axis), way(each.u), way(each.v), each});
   for (const AngleControl& each : island.angles) drives_.push_back({way(each.u), way(each.v), each});
-  std::vector<Vec3> x;
+  Array<Vec3> x;
   for (const Particle& each : island.particles) x.push_back(each.position);
   follow(x);
 }

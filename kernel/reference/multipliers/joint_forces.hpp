@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "reference/multipliers/weighted_sum.hpp"
 
 namespace plumb::detail {
@@ -41,9 +41,9 @@ class JointForces {
   void drive(const Driven& angle, std::span<const Vec3> x, std::span<const Vec3> v, Eigen::VectorXd& f) const;
 
   std::uint32_t movable_;
-  std::vector<Tie> ties_;
-  std::vector<Turning> torsions_;
-  std::vector<Driven> drives_;
+  Array<Tie> ties_;
+  Array<Turning> torsions_;
+  Array<Driven> drives_;
 };
 
 }  // namespace plumb::detail

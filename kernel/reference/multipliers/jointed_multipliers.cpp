@@ -22,7 +22,7 @@ class JointedMultipliers final : public MechanicalSystem {
         extent_(bounding_diagonal(island)),
         equations_(island, mass_model_of(settings)),
         forces_(island, equations_.movable()) {
-    Drive rest{{}, {}, std::vector<Vec3>(island.particles.size())};
+    Drive rest{{}, {}, Array<Vec3>(island.particles.size())};
     for (const Particle& particle : island.particles) {
       rest.anchors.push_back(particle.position);
       extent_ = std::max(extent_, norm(particle.position));
@@ -105,8 +105,7 @@ class JointedMultipliers final : public MechanicalSystem {
 
   /// Makes the least change, weighted by mass, after which velocities keep constraints. Anchors had the
   /// velocities `before` until now, and mass that is coupled to them feels the blow.
-  void project_velocities(MechanicalState& state, const Drive& drive, double t,
-                          const std::vector<Vec3>& before) {
+  void project_velocities(MechanicalState& state, const Drive& drive, double t, const Array<Vec3>& before) {
     put(state, drive, t);
     equations_.set_positions(x_);
     equations_.c.setZero();
@@ -150,8 +149,8 @@ class JointedMultipliers final : public MechanicalSystem {
   double extent_;  ///< m, what rounding of coordinates is relative to
   JointEquations equations_;
   JointForces forces_;
-  std::vector<Vec3> x_, v_;              ///< by particle, the fixed ones too
-  std::vector<Vec3> anchor_velocities_;  ///< in the last substep
+  Array<Vec3> x_, v_;              ///< by particle, the fixed ones too
+  Array<Vec3> anchor_velocities_;  ///< in the last substep
   MechanicalState start_;
   PastFolds past_folds_;
 };

@@ -40,7 +40,7 @@ class Multipliers final : public MechanicalSystem {
       weight_[row.a] += row.coupling;
       if (row.b != RodEquations::none) weight_[row.b] += row.coupling;
     }
-    Drive rest{{}, {}, std::vector<Vec3>(island.particles.size())};
+    Drive rest{{}, {}, Array<Vec3>(island.particles.size())};
     for (const Particle& particle : island.particles) rest.anchors.push_back(particle.position);
     project_velocities(start_, rest, 0, rest.anchor_velocities);
   }
@@ -102,7 +102,7 @@ class Multipliers final : public MechanicalSystem {
   /// Calls f(row number, row, d, its rate) for every row, and sets the solver's directions.
   template <class F>
   void for_rows(const MechanicalState& state, const Drive& drive, double t, F&& f) {
-    const std::vector<RodEquations::Row>& rows = solver_.equations().rows;
+    const Array<RodEquations::Row>& rows = solver_.equations().rows;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const RodEquations::Row& row = rows[r];
       Vec3 d = load3(&state.q[3 * row.a]), w = load3(&state.v[3 * row.a]);
@@ -120,8 +120,7 @@ class Multipliers final : public MechanicalSystem {
 
   /// Makes the least change, weighted by mass, after which velocities pull on no rod. Anchors had the
   /// velocities `before` until now. What of a rod's mass is coupled to its anchor feels the blow at once.
-  void project_velocities(MechanicalState& state, const Drive& drive, double t,
-                          const std::vector<Vec3>& before) {
+  void project_velocities(MechanicalState& state, const Drive& drive, double t, const Array<Vec3>& before) {
     solver_.f.setZero();
     bool changes = false;
     for_rows(state, drive, t, [&](std::size_t r, const RodEquations::Row& row, Vec3 d, Vec3 w) {
@@ -166,9 +165,9 @@ class Multipliers final : public MechanicalSystem {
   Vec3 gravity_;
   double drag_;
   RodSolver solver_;
-  std::vector<std::uint32_t> node_;      ///< by the island's particle
-  std::vector<double> weight_;           ///< kg, by node: what gravity pulls on
-  std::vector<Vec3> anchor_velocities_;  ///< velocities in the last substep
+  Array<std::uint32_t> node_;      ///< by the island's particle
+  Array<double> weight_;           ///< kg, by node: what gravity pulls on
+  Array<Vec3> anchor_velocities_;  ///< velocities in the last substep
   MechanicalState start_;
   PastFolds past_folds_;
 };

@@ -27,7 +27,7 @@ RodEquations make_rod_equations(const Scene& island, MassModel model) {
     for (std::uint32_t i = 0; i < island.particles.size(); ++i)
       if (!island.particles[i].fixed) equations.particle.push_back(i);
   }
-  std::vector<std::uint32_t> node(island.particles.size(), RodEquations::none);
+  Array<std::uint32_t> node(island.particles.size(), RodEquations::none);
   for (std::uint32_t i = 0; i < equations.particle.size(); ++i) {
     node[equations.particle[i]] = i;
     equations.mass.push_back(island.particles[equations.particle[i]].mass);

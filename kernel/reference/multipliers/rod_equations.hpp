@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
 #include "reference/multipliers/refinement.hpp"
@@ -29,10 +29,10 @@ struct RodEquations {
     double compliance;    ///< Softening of the row per m² of its length, in 1/kg; 0 is rigid.
   };
 
-  std::vector<std::uint32_t> particle;  ///< The island's number of every node.
-  std::vector<double> mass;             ///< Diagonal of M by node, in kg.
-  std::vector<Row> rows;  ///< Each rod is a row. On a tree row i - 1 is the rod of node i to its parent; rods
-                          ///< to anchors follow.
+  Array<std::uint32_t> particle;  ///< The island's number of every node.
+  Array<double> mass;             ///< Diagonal of M by node, in kg.
+  Array<Row> rows;  ///< Each rod is a row. On a tree row i - 1 is the rod of node i to its parent; rods
+                    ///< to anchors follow.
   std::optional<layouts::Tree> tree;
   bool softened = false;  ///< Says whether rows may be redundant. They then have a compliance, which
                           ///< refinement takes out.
@@ -46,7 +46,7 @@ class RodFactor {
  public:
   virtual ~RodFactor() = default;
   /// Factorises the matrix; `directions` holds d of every row.
-  virtual void factorize(const std::vector<Vec3>& directions) = 0;
+  virtual void factorize(const Array<Vec3>& directions) = 0;
   virtual void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
                      Eigen::VectorXd& lambda) = 0;
 };
@@ -65,8 +65,8 @@ class RodSolver {
 
   const RodEquations& equations() const { return equations_; }
 
-  std::vector<Vec3> directions;  ///< Directions of the rows, in m, which the caller sets.
-  Eigen::VectorXd f, c;          ///< Right-hand sides, which the caller sets.
+  Array<Vec3> directions;  ///< Directions of the rows, in m, which the caller sets.
+  Eigen::VectorXd f, c;    ///< Right-hand sides, which the caller sets.
 
   /// Solves M x - Jᵀ lambda = f, J x = c to rounding.
   ///

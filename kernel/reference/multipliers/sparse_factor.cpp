@@ -22,7 +22,7 @@ class SparseFactor final : public RodFactor {
     right_.resize(n + rows);
     solution_.resize(n + rows);
 
-    std::vector<Eigen::Triplet<double>> entries;
+    Array<Eigen::Triplet<double>> entries;
     const auto add = [&](Eigen::Index row, Eigen::Index column, double value) {
       entries.emplace_back(std::max(row, column), std::min(row, column), value);
     };
@@ -56,7 +56,7 @@ class SparseFactor final : public RodFactor {
     factor_.analyze(matrix_);
   }
 
-  void factorize(const std::vector<Vec3>& directions) override {
+  void factorize(const Array<Vec3>& directions) override {
     const Eigen::Index n = equations_.unknowns();
     double* values = matrix_.valuePtr();
     for (std::size_t r = 0; r < places_.size(); ++r) {
@@ -93,8 +93,8 @@ class SparseFactor final : public RodFactor {
   };
 
   const RodEquations& equations_;
-  std::vector<double> node_scale_;
-  std::vector<Places> places_;
+  Array<double> node_scale_;
+  Array<Places> places_;
   Matrix matrix_;
   SparseCholesky factor_;
   Eigen::VectorXd scale_, right_, solution_;

@@ -48,7 +48,7 @@ class TreeFactor final : public RodFactor {
     maps_.resize(n);
   }
 
-  void factorize(const std::vector<Vec3>& directions) override { directions_ = directions.data(); }
+  void factorize(const Array<Vec3>& directions) override { directions_ = directions.data(); }
 
   /// Factorises and solves in one pass. A second solve costs as much as the first, and is rare.
   void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
@@ -181,10 +181,10 @@ class TreeFactor final : public RodFactor {
 
   std::uint32_t count_ = 0;
   bool keeps_multipliers_ = false;
-  std::vector<Node> nodes_;
-  std::vector<Tie> ties_;
-  std::vector<Block> slots_;
-  std::vector<Map> maps_;
+  Array<Node> nodes_;
+  Array<Tie> ties_;
+  Array<Block> slots_;
+  Array<Map> maps_;
   const Vec3* directions_ = nullptr;
   Vec3 root_;
 };

@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
 
 /// This is a weighted sum of an island's particles: a place, or the way from one to another.
 struct WeightedSum {
-  std::vector<std::pair<std::uint32_t, double>> terms;
+  Array<std::pair<std::uint32_t, double>> terms;
 
   void add(const Point& point, double by) {
     for (std::size_t i = 0; i < 4; ++i) add(point.particles[i], by * point.weights[i]);

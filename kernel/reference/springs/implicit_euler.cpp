@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 void BlockMatrix::set_pattern(Index blocks, Index size,
                               std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs) {
   size_ = size;
-  std::vector<Eigen::Triplet<double>> entries;
+  Array<Eigen::Triplet<double>> entries;
   const auto add_block = [&](Index row, Index column) {
     for (Index i = 0; i < size; ++i)
       for (Index j = 0; j < size; ++j) entries.emplace_back(size * row + i, size * column + j, 0.0);
@@ -59,7 +59,7 @@ bool BlockMatrix::solve(const VectorXd& right, VectorXd& out) {
 }
 
 void ImplicitEuler::analyze(const SpringSystem& system) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  Array<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const LinearSpring& spring : linear_.springs)
     if (spring.b != no_body) pairs.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b));
   const Index bodies = system.masses().size() / system.body_size();

@@ -7,9 +7,9 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "linear/sparse_cholesky.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "reference/mechanical_system.hpp"
 
 namespace plumb::detail {
@@ -30,7 +30,7 @@ struct LinearSpring {
 /// Lists all springs, and for every body a torque per angle (N m/rad, not negative). Forces at its ends turn
 /// the body back by that torque as it turns, as those of a rod under tension do.
 struct Linearization {
-  std::vector<LinearSpring> springs;
+  Array<LinearSpring> springs;
   Eigen::VectorXd turning;
 };
 
@@ -78,8 +78,8 @@ class ImplicitEuler {
   void assemble(const SpringSystem& system, double h);
 
   Linearization linear_;
-  std::vector<Places> places_;
-  std::vector<BlockMatrix::Block> diagonal_;
+  Array<Places> places_;
+  Array<BlockMatrix::Block> diagonal_;
   BlockMatrix matrix_;
   bool analyzed_ = false;
   Eigen::VectorXd right_, change_, rate_, diagonal_entries_;

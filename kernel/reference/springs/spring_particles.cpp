@@ -2,6 +2,7 @@
 // every rod is a spring of its length, damped along itself.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "reference/springs/springs.hpp"
 
@@ -128,9 +129,9 @@ class SpringParticles final : public SpringSystem {
     return reach;
   }
 
-  std::vector<std::uint32_t> body_;       ///< Body of every particle.
-  std::vector<std::uint32_t> particles_;  ///< Particle of every body.
-  std::vector<Spring> springs_;
+  Array<std::uint32_t> body_;       ///< Body of every particle.
+  Array<std::uint32_t> particles_;  ///< Particle of every body.
+  Array<Spring> springs_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "reference/springs/springs.hpp"
 #include "scene/project_velocities.hpp"
@@ -39,8 +40,8 @@ struct Body {
 };
 
 /// Returns how many rods meet at every particle.
-std::vector<std::uint32_t> count_rods(const Scene& scene) {
-  std::vector<std::uint32_t> counts(scene.particles.size());
+Array<std::uint32_t> count_rods(const Scene& scene) {
+  Array<std::uint32_t> counts(scene.particles.size());
   for (const Rod& rod : scene.rods) {
     ++counts[rod.a];
     ++counts[rod.b];
@@ -53,7 +54,7 @@ std::vector<std::uint32_t> count_rods(const Scene& scene) {
 /// The end at a fixed particle gets as large a point mass as the other one has. It stands still but for the
 /// spring's give, so the motion of stiff joints is the scene's. A massless rod whose only mass is at the
 /// other end can then turn about its centre of mass as any other.
-Body body_of(const Scene& scene, std::size_t r, MassModel model, const std::vector<std::uint32_t>& rods_at) {
+Body body_of(const Scene& scene, std::size_t r, MassModel model, const Array<std::uint32_t>& rods_at) {
   const Rod& rod = scene.rods[r];
   RodMass mass = rod_mass(scene, r, model);
   const auto share = [&](std::uint32_t particle, std::uint32_t other) {
@@ -93,7 +94,7 @@ class SpringRods final : public SpringSystem {
  public:
   SpringRods(const Scene& island, const Settings& settings)
       : SpringSystem(island, settings), ends_(island.particles.size()), end_mass_(island.particles.size()) {
-    const std::vector<std::uint32_t> rods_at = count_rods(island);
+    const Array<std::uint32_t> rods_at = count_rods(island);
     for (std::uint32_t r = 0; r < island.rods.size(); ++r) {
       bodies_.push_back(body_of(island, r, mass_model_of(settings), rods_at));
       ends_[island.rods[r].a].push_back({r, 0});
@@ -116,7 +117,7 @@ class SpringRods final : public SpringSystem {
     // A rigid rod has no place for velocities that would stretch it.
     std::vector<double> inverse_masses = lumped_masses(scene());
     for (double& mass : inverse_masses) mass = 1 / mass;
-    std::vector<Vec3> velocities;
+    Array<Vec3> velocities;
     velocities.reserve(particles.size());
     for (const Particle& particle : particles)
       velocities.push_back(particle.fixed ? Vec3{} : particle.velocity);
@@ -269,7 +270,7 @@ class SpringRods final : public SpringSystem {
 
   void add_joints(std::uint32_t particle) {
     const bool fixed = scene().particles[particle].fixed;
-    const std::vector<End>& ends = ends_[particle];
+    const Array<End>& ends = ends_[particle];
     for (std::size_t i = fixed ? 0 : 1; i < ends.size(); ++i) {
       const double inner_mass =
           fixed ? std::numeric_limits<double>::infinity() : bodies_[ends.front().body].mass;
@@ -312,10 +313,10 @@ class SpringRods final : public SpringSystem {
            joint.damping * (inner_velocity - end_velocity(state, joint.outer));
   }
 
-  std::vector<Body> bodies_;            ///< Bodies of the rods, then of particles without any.
-  std::vector<std::vector<End>> ends_;  ///< Ends that meet at every particle, in the order of the rods.
-  std::vector<double> end_mass_;        ///< Sum of the ends' masses at every particle, in kg.
-  std::vector<Joint> joints_;
+  Array<Body> bodies_;      ///< Bodies of the rods, then of particles without any.
+  Array<Array<End>> ends_;  ///< Ends that meet at every particle, in the order of the rods.
+  Array<double> end_mass_;  ///< Sum of the ends' masses at every particle, in kg.
+  Array<Joint> joints_;
 };
 
 }  // namespace
@@ -326,7 +327,7 @@ std::unique_ptr<SpringSystem> make_spring_rods(const Scene& island, const Settin
 
 void require_spring_bodies(const Scene& scene, const Settings& settings) {
   if (settings.springs.model != SpringModel::rigid_rods) return;
-  const std::vector<std::uint32_t> rods_at = count_rods(scene);
+  const Array<std::uint32_t> rods_at = count_rods(scene);
   for (std::size_t r = 0; r < scene.rods.size(); ++r) {
     const Body body = body_of(scene, r, mass_model_of(settings), rods_at);
     const double length = rod_length(scene, r);

@@ -35,9 +35,9 @@ struct Vibrations {
 
 Vibrations find_vibrations(detail::SpringSystem& system, const detail::Linearization& linear) {
   const Index size = system.body_size();
-  std::vector<Eigen::Triplet<double>> stiffness, damping;
+  Array<Eigen::Triplet<double>> stiffness, damping;
   const VectorXd scale = system.masses().cwiseSqrt().cwiseInverse();
-  const auto add_to = [&](std::vector<Eigen::Triplet<double>>& out, std::uint32_t row_body,
+  const auto add_to = [&](Array<Eigen::Triplet<double>>& out, std::uint32_t row_body,
                           std::uint32_t column_body, const Matrix3d& part, Index row, Index column) {
     for (Index i = 0; i < 3; ++i)
       for (Index j = 0; j < 3; ++j) {
@@ -45,7 +45,7 @@ Vibrations find_vibrations(detail::SpringSystem& system, const detail::Lineariza
         out.emplace_back(at_row, at_column, scale[at_row] * part(i, j) * scale[at_column]);
       }
   };
-  const auto add = [&](std::vector<Eigen::Triplet<double>>& out, std::uint32_t row_body,
+  const auto add = [&](Array<Eigen::Triplet<double>>& out, std::uint32_t row_body,
                        const Eigen::Vector3d& row_arm, std::uint32_t column_body,
                        const Eigen::Vector3d& column_arm, const Matrix3d& w) {
     add_to(out, row_body, column_body, w, 0, 0);
@@ -107,9 +107,9 @@ double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
 }
 
 /// Returns λ of every vibration exp(λt).
-std::vector<Complex> all_rates(const Vibrations& v) {
+Array<Complex> all_rates(const Vibrations& v) {
   const Index n = v.stiffness.rows();
-  std::vector<Complex> out;
+  Array<Complex> out;
   if (v.damping.nonZeros() == 0 || v.damping.norm() == 0) {  // rounding would make growth or decay of it
     const Eigen::VectorXcd squares = Eigen::MatrixXd(v.stiffness).eigenvalues();
     for (Index i = 0; i < n; ++i) out.emplace_back(0, std::sqrt(std::max(0.0, squares[i].real())));
@@ -125,7 +125,7 @@ std::vector<Complex> all_rates(const Vibrations& v) {
 }
 
 /// Returns λ of the fastest vibration, by inverse iteration just above its frequency.
-std::vector<Complex> fastest_rates(const Vibrations& v, double frequency) {
+Array<Complex> fastest_rates(const Vibrations& v, double frequency) {
   const Index n = v.stiffness.rows();
   const double square = frequency * frequency;
   const Sparse shifted = (1 + 1e-6) * square * identity(n) - v.stiffness;
@@ -169,9 +169,9 @@ double largest_step(Integrator integrator, const Vibrations& vibrations, double 
     return INFINITY;
   if (integrator == Integrator::semi_implicit_euler)
     return alternating_limit(vibrations.stiffness, vibrations.damping);
-  const std::vector<Complex> rates = vibrations.stiffness.rows() <= most_dense
-                                         ? all_rates(vibrations)
-                                         : fastest_rates(vibrations, frequency);
+  const Array<Complex> rates = vibrations.stiffness.rows() <= most_dense
+                                   ? all_rates(vibrations)
+                                   : fastest_rates(vibrations, frequency);
   double fastest = 0, limit = INFINITY;
   for (const Complex rate : rates) fastest = std::max(fastest, std::abs(rate));
   for (const Complex rate : rates)

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "reference/mechanical_system.hpp"
 #include "reference/springs/implicit_euler.hpp"
 
@@ -47,7 +47,7 @@ class SpringSystem : public MechanicalSystem {
 
   Scene scene_;
   Settings settings_;
-  std::vector<std::uint32_t> movable_;  ///< Numbers of movable particles.
+  Array<std::uint32_t> movable_;  ///< Numbers of movable particles.
   ImplicitEuler implicit_;
   MechanicalState whole_, halves_;
   Drive trial_drive_;

@@ -4,7 +4,8 @@
 #include <iterator>
 #include <memory>
 #include <type_traits>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -64,7 +65,7 @@ class Chunks {
  private:
   static constexpr std::size_t in_chunk = 16;
 
-  std::vector<std::unique_ptr<T[]>> chunks_;
+  Array<std::unique_ptr<T[]>> chunks_;
   std::size_t size_ = 0;
 };
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/cluster_rows.hpp"
 #include "contact/elastics/elastic.hpp"
@@ -11,6 +10,7 @@
 #include "contact/ground/placed_hulls.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/shapes/bounds.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -25,23 +25,23 @@ struct ClusterIsland {
   double moves = 0;  ///< m, the ends of its shapes in the substep, at most
   /// Boxes around its capsules, and around all of them. Contacts of capsules are in sight only where such
   /// boxes of two islands overlap.
-  std::vector<Bounds> sights;
+  Array<Bounds> sights;
   Bounds sight{};
-  std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
+  Array<Vec3> d, there, v, momentum, force, impulse, rigid, step;
   /// Where on the way from the start of a substep (0) to its end (1) constraints' directions are taken.
   double theta = 0;
-  double h = 0, kick = 0;            ///< s and s², by which forces count in that substep
-  std::vector<Vec3> at;              ///< m, where directions of the factors are, if theta is not 0
-  std::vector<Vec3> along;           ///< m, where they are to be
-  std::vector<Vec3> bent;            ///< kg m, by how much they pull otherwise there, as far as d has it
-  std::vector<Vec3> lag;             ///< kg m, what d lacks of that
-  std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
+  double h = 0, kick = 0;      ///< s and s², by which forces count in that substep
+  Array<Vec3> at;              ///< m, where directions of the factors are, if theta is not 0
+  Array<Vec3> along;           ///< m, where they are to be
+  Array<Vec3> bent;            ///< kg m, by how much they pull otherwise there, as far as d has it
+  Array<Vec3> lag;             ///< kg m, what d lacks of that
+  Array<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
   /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
-  std::vector<double> pulls, end_pulls;
-  std::vector<ElasticStep> elastics;
-  std::vector<double> by_bends;  ///< N s, what bends add to the pulls of rods that give, if any may break
-  std::vector<Combination::Term> terms;
-  std::vector<Side> sides;
+  Array<double> pulls, end_pulls;
+  Array<ElasticStep> elastics;
+  Array<double> by_bends;  ///< N s, what bends add to the pulls of rods that give, if any may break
+  Array<Combination::Term> terms;
+  Array<Side> sides;
   PlacedHulls hulls;
   GroundContacts ground;        ///< those with fixed things, if there are many
   bool is_predicted = false;    ///< d is where it flies, or else a guess
@@ -51,22 +51,22 @@ struct ClusterIsland {
   bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone
   std::size_t next_kept = 0;    ///< where the next contact is likely to be found again
   // Padded to whole lanes, or by lanes:
-  std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown; the last ones if few
-  std::vector<Lanes> coupling;  ///< G, a row for every side
-  std::vector<Lanes> speed;     ///< what each side sees of d or v
-  std::vector<Lanes> push;      ///< on each side, not yet applied
-  std::vector<Lanes> sum;       ///< of responses
-  std::vector<Lanes> last_speed, last_push;  ///< after the last sweep, where these have momentum
+  Array<Lanes> response;  ///< of eight sides after the other, of every unknown; the last ones if few
+  Array<Lanes> coupling;  ///< G, a row for every side
+  Array<Lanes> speed;     ///< what each side sees of d or v
+  Array<Lanes> push;      ///< on each side, not yet applied
+  Array<Lanes> sum;       ///< of responses
+  Array<Lanes> last_speed, last_push;  ///< after the last sweep, where these have momentum
   // Where pushes are found freely:
-  std::vector<Vec3> free;         ///< m or m/s, how particles would move if they were free
-  std::vector<Vec3> last_motion;  ///< m or m/s, after the last sweep
-  std::vector<double> last_pulls;
+  Array<Vec3> free;         ///< m or m/s, how particles would move if they were free
+  Array<Vec3> last_motion;  ///< m or m/s, after the last sweep
+  Array<double> last_pulls;
 
   std::span<double> right() { return numbers(unknowns); }
   /// Returns where the directions of the factors of positions are.
   std::span<const Vec3> directions() const { return theta > 0 ? at : state->x; }
   /// Keeps a share of multipliers and adds another of those that a solve has found.
-  void take_pulls(std::vector<double>& to, double keep, double by) {
+  void take_pulls(Array<double>& to, double keep, double by) {
     for (double& each : to) each *= keep;
     state->linkage->take_multipliers(right(), by, to);
   }

@@ -94,7 +94,7 @@ void Clusters::wake(std::uint32_t i) {
 }
 
 void Clusters::wake_neighbors(std::uint32_t i) {
-  std::vector<std::uint32_t> near;
+  Array<std::uint32_t> near;
   sleepers_.find(bounds_[i], [&](std::uint32_t j) {
     if (may_meet(i, j)) near.push_back(j);
   });

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/spatial_hash.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "threads/team.hpp"
 
 namespace plumb::detail {
@@ -80,18 +80,18 @@ class Clusters {
   void put_to_sleep(LinkageState& state);
 
   std::span<LinkageState> islands_;
-  std::vector<std::uint32_t> awake_;  ///< numbers of awake islands, ascending
+  Array<std::uint32_t> awake_;  ///< numbers of awake islands, ascending
   SpatialHash sleepers_, walkers_;
   bool any_shapes_ = false;
-  double cell_ = 1;             ///< size of a cell, m
-  std::size_t begun_ = 0;       ///< islands that began since it was found
-  double margin_ = 0;           ///< distance within which shapes may touch, m
-  std::vector<Bounds> bounds_;  ///< by island: for a sleeper as it is listed, for others the step's reach
-  std::vector<std::uint32_t> marks_, root_, members_, woken_;
+  double cell_ = 1;        ///< size of a cell, m
+  std::size_t begun_ = 0;  ///< islands that began since it was found
+  double margin_ = 0;      ///< distance within which shapes may touch, m
+  Array<Bounds> bounds_;   ///< by island: for a sleeper as it is listed, for others the step's reach
+  Array<std::uint32_t> marks_, root_, members_, woken_;
   std::uint32_t mark_ = 0;
-  std::vector<std::uint64_t> order_;
-  std::vector<LinkageState*> members_of_;  ///< members of all clusters, one cluster after the other
-  std::vector<std::uint32_t> starts_{0};   ///< where each cluster begins in members_of_, and the end
+  Array<std::uint64_t> order_;
+  Array<LinkageState*> members_of_;  ///< members of all clusters, one cluster after the other
+  Array<std::uint32_t> starts_{0};   ///< where each cluster begins in members_of_, and the end
 };
 
 }  // namespace plumb::detail

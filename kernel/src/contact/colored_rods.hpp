@@ -2,7 +2,8 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -16,9 +17,9 @@ struct ColoredRods {
   /// those of a net do (layouts::detect_shape()). Others have none.
   struct Grid {
     std::uint32_t width = 0, height = 0;
-    std::vector<std::uint32_t> particles{};  ///< (x, y) is at y·width + x
+    Array<std::uint32_t> particles{};  ///< (x, y) is at y·width + x
     /// From (x, y) to (x + 1, y) at y·(width − 1) + x, then to (x, y + 1) at y·width + x after all of those.
-    std::vector<Rod> rods{};
+    Array<Rod> rods{};
   };
 
   std::uint32_t colors() const { return static_cast<std::uint32_t>(begin.size() - 1); }
@@ -27,8 +28,8 @@ struct ColoredRods {
     return std::span(rods).subspan(begin[color], begin[color + 1] - begin[color]);
   }
 
-  std::vector<Rod> rods{};  ///< colour by colour
-  std::vector<std::uint32_t> begin{0};
+  Array<Rod> rods{};  ///< colour by colour
+  Array<std::uint32_t> begin{0};
   Grid grid{};
 };
 

@@ -56,14 +56,14 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       gradient_(gradient_for(settings)) {
   for (unsigned part = 0; part < settings.threads; ++part)
     movers_.push_back(make_mover(settings, isa_, settings_));
-  std::multimap<std::vector<double>, std::size_t> kinds;
-  std::vector<std::uint32_t> number_of(parts.count(), no_island);
+  std::multimap<Array<double>, std::size_t> kinds;
+  Array<std::uint32_t> number_of(parts.count(), no_island);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
     if (plain && part.capsules.empty()) continue;
     if ((plain || relaxes_) && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
-    std::vector<double> numbers = likeness(part);
+    Array<double> numbers = likeness(part);
     const auto [first, last] = kinds.equal_range(numbers);
     const auto like = std::find_if(first, last, [&](const auto& of) { return is_of_kind(of.second, part); });
     const std::size_t kind = like != last ? like->second : add_kind(part);
@@ -85,21 +85,20 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   clusters_.start(states_, settings_.margin);
 }
 
-auto ContactSolver::plain_islands() const -> std::vector<PlainIsland> {
-  std::vector<PlainIsland> out;
+auto ContactSolver::plain_islands() const -> Array<PlainIsland> {
+  Array<PlainIsland> out;
   for (const LinkageState& state : states_)
     if (is_plain_[state.number] != 0)
       out.push_back({state.number, state.particles, state.linkage->movable()});
   return out;
 }
 
-void ContactSolver::set_home(std::uint32_t island, Solver& home, std::uint32_t number,
-                             std::vector<Slot> slots) {
+void ContactSolver::set_home(std::uint32_t island, Solver& home, std::uint32_t number, Array<Slot> slots) {
   visitors_[island] = Visitor(home, number, std::move(slots));
 }
 
-std::vector<MadeSolver::Place> ContactSolver::places() const {
-  std::vector<MadeSolver::Place> out;
+Array<MadeSolver::Place> ContactSolver::places() const {
+  Array<MadeSolver::Place> out;
   for (Slot slot = 0; slot < island_of_.size(); ++slot)
     out.push_back({state_of(slot).particles[local(slot)], slot});
   return out;
@@ -287,7 +286,7 @@ void ContactSolver::copy_positions(const Run& run, Vec3* out) const {
       __builtin_prefetch(&states_[island + far].x);
       __builtin_prefetch(states_[island + near].x.data());
     }
-    const std::vector<Vec3>& x = states_[island].x;
+    const Array<Vec3>& x = states_[island].x;
     std::uint32_t i = slot - first_slot_[island];
     for (; i < x.size() && slot < end; ++i, ++slot) {
       const Vec3 at = x[i];

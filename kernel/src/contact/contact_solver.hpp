@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
@@ -18,6 +17,7 @@
 #include "interface/archive.hpp"
 #include "interface/made_solver.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -38,14 +38,14 @@ class ContactSolver final : public Solver {
 
   /// Tells that solver number `number` of the world is the home of an island, with its movable particles at
   /// `slots`.
-  void set_home(std::uint32_t island, Solver& home, std::uint32_t number, std::vector<Slot> slots);
+  void set_home(std::uint32_t island, Solver& home, std::uint32_t number, Array<Slot> slots);
   /// Names an island that its own solver can move, and the scene's numbers of its particles.
   struct PlainIsland {
     std::uint32_t island;
     std::span<const std::uint32_t> particles;  ///< movable ones first
     std::uint32_t movable;
   };
-  std::vector<PlainIsland> plain_islands() const;
+  Array<PlainIsland> plain_islands() const;
 
   // --- Edits (contact/edits)
 
@@ -68,7 +68,7 @@ class ContactSolver final : public Solver {
   void set_length(Slot rod, double length, double rate) override;
   /// Returns whether a capsule or a hull is still there.
   bool has_shape(ShapeId shape) const {
-    const std::vector<Owner>& owners = owners_of(shape);
+    const Array<Owner>& owners = owners_of(shape);
     return shape.number < owners.size() && owners[shape.number].island != ended;
   }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
@@ -78,9 +78,9 @@ class ContactSolver final : public Solver {
   };
   /// Makes islands anew with what is listed of them, as the islands that they are then. They end themselves.
   /// Those of particles and rods are plain again, if they have shapes; without, a home alone moves them.
-  std::vector<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
+  Array<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
   /// Makes islands anew that come together. Shapes of plain ones go on where rods still join their places.
-  std::vector<Made> make_met(Meeting of);
+  Array<Made> make_met(Meeting of);
   /// Takes from the velocities of an island without a home what its constraints forbid since it was edited.
   void project_edited_velocities(std::uint32_t island);
   /// Returns what of a particle's island, such as "pin 3", could not move if it stood, with those that are
@@ -100,7 +100,7 @@ class ContactSolver final : public Solver {
   }
   /// Takes in islands that are new. Those of particles and rods are plain, and at home from the start on; the
   /// others move here alone.
-  std::vector<Made> add(const NamedPart& part);
+  Array<Made> add(const NamedPart& part);
   /// Returns the scene's numbers of what an island has but its particles.
   const Names& names_of(std::uint32_t island) const { return names_[island]; }
   /// Lets an island with a home go on visiting.
@@ -196,7 +196,7 @@ class ContactSolver final : public Solver {
   double project_initial_velocities();
   double project_initial_velocities(std::uint32_t island);  ///< likewise, of an island that has no home
   /// Returns the slots of the scene's particles.
-  std::vector<MadeSolver::Place> places() const;
+  Array<MadeSolver::Place> places() const;
   std::uint32_t island_count() const { return static_cast<std::uint32_t>(states_.size()); }
   bool any_awake() const { return !clusters_.awake().empty(); }
   /// Returns whether enough islands are awake for several threads to win over one.
@@ -280,7 +280,7 @@ class ContactSolver final : public Solver {
   /// Keeps what an attempt of a step is taken back to, if an accuracy is set.
   struct History {
     LinkageMotion saved[2];
-    std::vector<Vec3> mark;
+    Array<Vec3> mark;
     double best_substep = 0;
   };
 
@@ -289,7 +289,7 @@ class ContactSolver final : public Solver {
     std::uint32_t island, number;
   };
   /// Says where a particle was that moves: an island, and its number there.
-  using Whereabouts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  using Whereabouts = Array<std::pair<std::uint32_t, std::uint32_t>>;
   Whereabouts whereabouts() const;
   void take_motion(LinkageState& state, const ContactSolver& from, const Whereabouts& were) const;
   void take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const;
@@ -312,7 +312,7 @@ class ContactSolver final : public Solver {
   void make_room(std::uint32_t count);
   std::uint32_t begin_island(std::size_t kind, const Scene& part, bool plain);
   ShapeId id_of(std::uint32_t island, std::uint32_t shape) const;
-  const std::vector<Owner>& owners_of(ShapeId shape) const {
+  const Array<Owner>& owners_of(ShapeId shape) const {
     return shape.kind == ShapeKind::hull ? owners_.hulls : owners_.capsules;
   }
   void rename(const NamedPart& part, const SceneParts& parts, std::span<const std::uint32_t> numbers);
@@ -352,35 +352,35 @@ class ContactSolver final : public Solver {
   ContactSettings settings_;  ///< multiplied by their length scale
   std::uint32_t time_order_;
   Surroundings surroundings_;
-  std::vector<Scene> parts_;  ///< of linkages: one island that is of this kind
-  std::vector<std::unique_ptr<Linkage>> linkages_;
-  std::vector<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
-  std::vector<std::uint64_t> sums_;  ///< by linkage: over the likeness of its islands
+  Array<Scene> parts_;  ///< of linkages: one island that is of this kind
+  Array<std::unique_ptr<Linkage>> linkages_;
+  Array<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
+  Array<std::uint64_t> sums_;  ///< by linkage: over the likeness of its islands
   GivenNumbers numbers_;
-  std::vector<IslandGrabs> grabs_;  ///< of islands that something grabs
-  std::vector<LinkageState> states_;
-  std::vector<Visitor> visitors_;       ///< by island's number
-  std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
-  bool is_controlled_;                  ///< An accuracy is set, and islands have histories.
-  std::vector<History> histories_;
-  std::vector<Slot> first_slot_;          ///< by island's number
-  std::vector<std::uint32_t> island_of_;  ///< the island of each slot
-  ByKind<std::vector<Owner>> owners_;     ///< by their numbers in the scene
-  std::vector<Names> names_;              ///< by island's number: those of what it has
-  std::vector<std::size_t> rooms_;        ///< by island's number: slots that fit behind its first one
-  Gradient gradient_;                     ///< that of islands without a home
-  std::vector<Vec3> ground_pushes_;       ///< N, by ground; none before the first step
+  Array<IslandGrabs> grabs_;  ///< of islands that something grabs
+  Array<LinkageState> states_;
+  Array<Visitor> visitors_;       ///< by island's number
+  Array<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
+  bool is_controlled_;            ///< An accuracy is set, and islands have histories.
+  Array<History> histories_;
+  Array<Slot> first_slot_;          ///< by island's number
+  Array<std::uint32_t> island_of_;  ///< the island of each slot
+  ByKind<Array<Owner>> owners_;     ///< by their numbers in the scene
+  Array<Names> names_;              ///< by island's number: those of what it has
+  Array<std::size_t> rooms_;        ///< by island's number: slots that fit behind its first one
+  Gradient gradient_;               ///< that of islands without a home
+  Array<Vec3> ground_pushes_;       ///< N, by ground; none before the first step
   ContactList contacts_;
   bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made
   Clusters clusters_;
-  std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
-  std::size_t work_of_pieces_ = 0;     ///< islands of all of them
+  Array<std::uint32_t> pieces_;     ///< the clusters that are moved here in this step
+  std::size_t work_of_pieces_ = 0;  ///< islands of all of them
   Team* team_ = nullptr;
-  std::vector<Return> returned_, woken_;
-  std::vector<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
+  Array<Return> returned_, woken_;
+  Array<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
   ProjectionWork work_;
-  std::vector<std::unique_ptr<ClusterMover>> movers_;  ///< one for each part of the team
+  Array<std::unique_ptr<ClusterMover>> movers_;  ///< one for each part of the team
 };
 
 }  // namespace plumb::detail

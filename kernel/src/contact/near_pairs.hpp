@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "contact/pair_order.hpp"
 #include "contact/shapes/bounds.hpp"
 #include "contact/spatial_hash.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -55,8 +55,8 @@ class NearPairs {
   static constexpr double widest = 1e100;  ///< m, of a cell
 
   SpatialHash hash_;
-  std::vector<std::uint32_t> seen_;  ///< by box, for which other it was looked at last
-  std::vector<Pair> pairs_;
+  Array<std::uint32_t> seen_;  ///< by box, for which other it was looked at last
+  Array<Pair> pairs_;
   PairOrder<Pair> order_;
 };
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <utility>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -13,7 +14,7 @@ class PairOrder {
  public:
   /// Sorts pairs as they are found for one second number after the other, ascending, and leaves each of them
   /// once. `first` is the member that names their first number, which is below `count`.
-  void sort(std::vector<Pair>& pairs, std::uint32_t Pair::*first, std::uint32_t count) {
+  void sort(Array<Pair>& pairs, std::uint32_t Pair::*first, std::uint32_t count) {
     if (pairs.empty()) return;
     next_.assign(count, 0);
     for (const Pair& pair : pairs) ++next_[pair.*first];
@@ -26,8 +27,8 @@ class PairOrder {
   }
 
  private:
-  std::vector<std::uint32_t> next_;  ///< by first number, where its next pair goes
-  std::vector<Pair> sorted_;
+  Array<std::uint32_t> next_;  ///< by first number, where its next pair goes
+  Array<Pair> sorted_;
 };
 
 }  // namespace plumb::detail

@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -132,10 +132,10 @@ class SpatialHash {
   }
 
   double over_ = 1;
-  std::vector<std::uint32_t> heads_;
-  std::vector<Entry> entries_;
+  Array<std::uint32_t> heads_;
+  Array<Entry> entries_;
   std::uint32_t free_ = none;
-  std::vector<std::uint32_t> large_;
+  Array<std::uint32_t> large_;
   std::size_t count_ = 0;
 };
 

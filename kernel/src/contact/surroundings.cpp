@@ -36,7 +36,7 @@ bool may_move(const GroundMotion& motion) {
 }  // namespace
 
 Surroundings::Surroundings(const Scene& scene)
-    : planes(scene.planes), platforms(scene), anchored(scene), numbers(scene) {
+    : planes(scene.planes.begin(), scene.planes.end()), platforms(scene), anchored(scene), numbers(scene) {
   for (const Box& box : scene.boxes) {
     const Frame3 frame = frame_of(box.orientation);
     boxes.push_back({box.center, box.half_size, frame, bounds_of(box.center, box.half_size, frame),
@@ -48,7 +48,7 @@ Surroundings::Surroundings(const Scene& scene)
   for (const GroundHull& each : scene.ground_hulls) shapes.emplace_back(each);
   for (const GroundMesh& each : scene.meshes) shapes.emplace_back(each);
   for (const HeightField& each : scene.height_fields) shapes.emplace_back(each);
-  std::vector<Bounds> around;
+  Array<Bounds> around;
   for (const GroundShape& each : shapes) around.push_back(each.bounds());
   tree = BoundsTree(around);
   const auto moves = [](const auto& ground) { return detail::may_move(ground.motion); };
@@ -121,7 +121,7 @@ Bounds Surroundings::carried(const Bounds& bounds, std::span<const Filter> filte
   return grown(bounds, farthest);
 }
 
-void Surroundings::find(const Bounds& bounds, std::vector<std::uint32_t>& out) const {
+void Surroundings::find(const Bounds& bounds, Array<std::uint32_t>& out) const {
   out.clear();
   tree.find(bounds, [&](std::uint32_t i) {
     if (shapes[i].bounds().overlaps(bounds)) out.push_back(i);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "contact/ground/ground_numbers.hpp"
 #include "contact/ground/ground_shape.hpp"
@@ -9,6 +8,7 @@
 #include "contact/platforms/anchored.hpp"
 #include "contact/platforms/platforms.hpp"
 #include "contact/shapes/touch.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -53,7 +53,7 @@ struct Surroundings {
     return numbers.of_other(shape - standing_boxes_);
   }
   /// Lists the shapes whose bounds overlap a box, ascending.
-  void find(const Bounds& bounds, std::vector<std::uint32_t>& out) const;
+  void find(const Bounds& bounds, Array<std::uint32_t>& out) const;
   /// Returns whether what seems to touch a convex shape touches another one instead, which lies against it.
   /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it.
   bool is_covered(std::uint32_t shape, const Near& near, double close) const;
@@ -68,10 +68,10 @@ struct Surroundings {
   template <class Archive>
   friend void visit_members(Archive& archive, Surroundings& of);
 
-  std::vector<Plane> planes;
-  std::vector<Solid> boxes;
-  std::vector<GroundShape> shapes;  ///< boxes without platforms, and all else that stands still
-  BoundsTree tree;                  ///< around their bounds
+  Array<Plane> planes;
+  Array<Solid> boxes;
+  Array<GroundShape> shapes;  ///< boxes without platforms, and all else that stands still
+  BoundsTree tree;            ///< around their bounds
   Platforms platforms;
   Anchored anchored;
   GroundNumbers numbers;

@@ -87,10 +87,10 @@ class Maker {
         bends_(scene),
         reeled_(reeled_rods(scene)) {}
 
-  std::vector<MadeSolver> make() {
-    for (const std::vector<std::uint32_t>& alike : sets_.sets) {
-      std::vector<std::uint32_t> equal;
-      std::map<LoopElements, std::vector<std::uint32_t>> others;
+  Array<MadeSolver> make() {
+    for (const Array<std::uint32_t>& alike : sets_.sets) {
+      Array<std::uint32_t> equal;
+      std::map<LoopElements, Array<std::uint32_t>> others;
       for (const std::uint32_t island : alike)
         if (const LoopElements elements = local_elements(scene_, sets_, island); elements.any())
           others[elements].push_back(island);
@@ -149,7 +149,7 @@ class Maker {
   bool is_off(const Reel& reel) const {
     const RodTable table(scene_);
     const ReelStart start = start_of(scene_, table, reel);
-    const std::vector<std::uint32_t> rods = rods_of(table, reel);
+    const Array<std::uint32_t> rods = rods_of(table, reel);
     const auto& particles = reel.particles;
     bool off = is_off(scene_.rods[rods[start.first - 1]].law,
                       distance(particles.front(), particles[start.first]), start.leaving());
@@ -172,7 +172,7 @@ class Maker {
   }
 
   /// Adds equal islands with elements. Lines with bends and a twist alone are trees, in double.
-  void add_with_elements(const std::vector<std::uint32_t>& equal, const LoopElements& elements) {
+  void add_with_elements(const Array<std::uint32_t>& equal, const LoopElements& elements) {
     const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
     const bool may_break = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
       const auto rods = sets_.islands.edges(island);
@@ -191,9 +191,9 @@ class Maker {
 
   /// Adds the islands that have rigid lines straight between anchors, and takes them from `equal`. No pull
   /// holds such a line, which the solver for loops knows (Locks).
-  void add_locked(std::vector<std::uint32_t>& equal, const layouts::Graph& local) {
+  void add_locked(Array<std::uint32_t>& equal, const layouts::Graph& local) {
     const auto topology = std::make_shared<LoopTopology>(local);
-    std::vector<std::uint32_t> locked;
+    Array<std::uint32_t> locked;
     std::erase_if(equal, [&](std::uint32_t island) {
       const bool is_locked = find_locks(state_of(topology, island)).any();
       if (is_locked) locked.push_back(island);
@@ -204,14 +204,13 @@ class Maker {
 
   /// Returns the state of an island whose topology has these vertices.
   LoopState state_of(const std::shared_ptr<const LoopTopology>& topology, std::uint32_t island) const {
-    std::vector<std::uint32_t> vertices;
+    Array<std::uint32_t> vertices;
     for (const std::uint32_t i : topology->order) vertices.push_back(sets_.islands.vertices(island)[i]);
     return {topology, scene_, model(), vertices, sets_.islands.edges(island)};
   }
 
   template <class T>
-  void add_trees(const std::vector<std::uint32_t>& equal, const layouts::Tree& tree,
-                 const LineBends& bends = {}) {
+  void add_trees(const Array<std::uint32_t>& equal, const layouts::Tree& tree, const LineBends& bends = {}) {
     const auto count = static_cast<std::uint32_t>(equal.size());
     // With fewer trees than this a whole vector would cost more than one tree after the other.
     const std::uint32_t lanes = count * 4 >= lane_width<T> ? lane_width<T> : 1;
@@ -268,7 +267,7 @@ class Maker {
     made_.push_back(std::move(made));
   }
 
-  void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local,
+  void add_loops(const Array<std::uint32_t>& equal, const layouts::Graph& local,
                  const LoopElements& elements) {
     if (!loop_rules_) {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
@@ -293,7 +292,7 @@ class Maker {
       topology->system = std::make_unique<LoopSystem>(
           topology->rods, topology->nodes, LoopStepper::couples(rules_.gradient, model()), elements);
     } else {
-      std::vector<Vec3> positions;
+      Array<Vec3> positions;
       for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
         positions.push_back(scene_.particles[vertex].position);
       topology->use_lines(positions);
@@ -356,16 +355,15 @@ class Maker {
   const DirectRules& rules_;
   StartReport& report_;
   const BendTable bends_;
-  const std::vector<std::uint8_t> reeled_;
+  const Array<std::uint8_t> reeled_;
   std::shared_ptr<LoopRules> loop_rules_;
-  std::vector<MadeSolver> made_;
+  Array<MadeSolver> made_;
 };
 
 }  // namespace
 
-std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets,
-                                            const Settings& settings, const DirectRules& rules,
-                                            StartReport& report) {
+Array<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                      const DirectRules& rules, StartReport& report) {
   return Maker(scene, sets, settings, rules, report).make();
 }
 

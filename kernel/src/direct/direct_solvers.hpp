@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "interface/island_sets.hpp"
 #include "interface/made_solver.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -24,8 +24,7 @@ struct DirectRules {
 /// by one. `sets` lists the islands, those with equal graphs together. Positions are projected so that rods
 /// start at their lengths; a first substep would do that by a velocity, the greater the shorter it is. Then
 /// velocities are projected so that nothing pulls on a rod.
-std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets,
-                                            const Settings& settings, const DirectRules& rules,
-                                            StartReport& report);
+Array<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                      const DirectRules& rules, StartReport& report);
 
 }  // namespace plumb::detail

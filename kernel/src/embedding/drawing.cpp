@@ -238,7 +238,7 @@ void Drawing::draw(const World& world, Canvas& canvas, const DrawChoice& choice)
   require_positive(choice.length, "length");
   if (choice.rods && choice.tone == RodTone::tension) world.impl_->require_tensions();
   Impl& is = *impl_;
-  is.step = world.impl_->step.get();
+  is.step = &*world.impl_->step;
   is.canvas = &canvas;
   is.choice = &choice;
   is.read(world);

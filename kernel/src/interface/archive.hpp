@@ -13,6 +13,7 @@
 
 #include "math/byte_sum.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
@@ -63,7 +64,7 @@ class Archive {
       (one(values), ...);
   }
   /// Lists flags, and returns whether restoring has changed some.
-  bool changes(std::vector<std::uint8_t>& flags) {
+  bool changes(Array<std::uint8_t>& flags) {
     const std::size_t size = count(flags.size());
     const bool are_other = restores() && (size != flags.size() ||
                                           (size > 0 && std::memcmp(flags.data(), from_ + done_, size) != 0));
@@ -131,8 +132,8 @@ class Archive {
       for (std::size_t i = 0; i < size; ++i) one(of[i]);
     }
   }
-  template <class T>
-  void one(std::vector<T>& values) {
+  template <class T, class Allocator>
+  void one(std::vector<T, Allocator>& values) {
     const std::size_t size = count(values.size());
     if (restores() && size != values.size()) values.resize(size);
     elements(values.data(), size);
@@ -169,11 +170,11 @@ class Archive {
 
 /// Returns the bytes of what an archive lists of something.
 template <class T>
-std::vector<std::byte> saved(const T& from) {
+Array<std::byte> saved(const T& from) {
   auto& of = const_cast<T&>(from);  // which is read alone
   Archive measured = Archive::measure();
   measured(of);
-  std::vector<std::byte> bytes(measured.size());
+  Array<std::byte> bytes(measured.size());
   Archive save = Archive::save(bytes);
   save(of);
   return bytes;
@@ -182,7 +183,7 @@ std::vector<std::byte> saved(const T& from) {
 /// Copies what an archive lists of something.
 template <class T>
 void copy_listed(const T& from, T& to) {
-  const std::vector<std::byte> bytes = saved(from);
+  const Array<std::byte> bytes = saved(from);
   Archive restored = Archive::restore(bytes);
   restored(to);
 }

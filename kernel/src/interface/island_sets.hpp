@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "scene/bends/bent_islands.hpp"
 
@@ -12,10 +12,10 @@ namespace plumb::detail {
 /// Lists the islands of a scene that one method moves. Islands of equal graphs share a set, whatever elements
 /// they have.
 struct IslandSets {
-  layouts::Graph graph;                          ///< of the whole scene
-  const layouts::Islands& islands;               ///< of the whole scene
-  std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers
-  IslandElements elements{};                     ///< bends, tackles, twists and reels
+  layouts::Graph graph;              ///< of the whole scene
+  const layouts::Islands& islands;   ///< of the whole scene
+  Array<Array<std::uint32_t>> sets;  ///< island numbers
+  IslandElements elements{};         ///< bends, tackles, twists and reels
 };
 
 }  // namespace plumb::detail

@@ -20,8 +20,8 @@ std::size_t widest_layer(const layouts::Graph& island) {
   std::uint32_t start = 0;
   std::size_t widest = 0;
   for (int pass = 0; pass < 2; ++pass) {  // the second pass starts where the first ended, at one end
-    std::vector<std::uint8_t> seen(island.vertices, 0);
-    std::vector<std::uint32_t> layer{start}, next;
+    Array<std::uint8_t> seen(island.vertices, 0);
+    Array<std::uint32_t> layer{start}, next;
     seen[start] = 1;
     widest = 0;
     while (!layer.empty()) {

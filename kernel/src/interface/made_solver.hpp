@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -21,9 +21,9 @@ struct MadeSolver {
     Slot slot;
   };
   std::unique_ptr<Solver> solver;
-  std::vector<Place> places;
-  std::vector<CordPlace> cords{};
-  std::vector<std::pair<std::uint32_t, Slot>> twists{};  ///< the scene's numbers and the solver's
+  Array<Place> places;
+  Array<CordPlace> cords{};
+  Array<std::pair<std::uint32_t, Slot>> twists{};  ///< the scene's numbers and the solver's
 };
 
 class TreeKinds;

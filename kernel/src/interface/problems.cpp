@@ -1,9 +1,8 @@
 #include "interface/problems.hpp"
 
 namespace plumb::detail {
-namespace {
 
-std::uint64_t count(Problem::Kind kind, const StepReport& report) {
+std::uint64_t count_of(Problem::Kind kind, const StepReport& report) {
   switch (kind) {
     case Problem::Kind::frozen:
       return report.frozen_islands;
@@ -21,12 +20,10 @@ std::uint64_t count(Problem::Kind kind, const StepReport& report) {
   return 0;
 }
 
-}  // namespace
-
 Troubles troubles_between(const StepReport& before, const StepReport& after) {
   Troubles out = 0;
   for (unsigned i = 0; i < trouble_kinds.size(); ++i)
-    if (count(trouble_kinds[i], after) != count(trouble_kinds[i], before))
+    if (count_of(trouble_kinds[i], after) != count_of(trouble_kinds[i], before))
       out = static_cast<Troubles>(out | 1u << i);
   return out;
 }
@@ -47,7 +44,7 @@ RodJudge::RodJudge(const Scene& scene) {
   }
 }
 
-void append_problems(Troubles troubles, std::uint32_t particle, std::vector<Problem>& out) {
+void append_problems(Troubles troubles, std::uint32_t particle, Array<Problem>& out) {
   for_troubles(troubles, [&](Problem::Kind kind) { out.push_back({kind, particle}); });
 }
 

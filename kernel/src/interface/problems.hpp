@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/report.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/world.hpp"
@@ -13,6 +13,8 @@ namespace plumb::detail {
 
 /// Names, as bits, what went wrong with a piece in a step, by the counts of that step.
 using Troubles = std::uint8_t;
+/// Returns how often that happened by a report; 0 for rods that are stretched.
+std::uint64_t count_of(Problem::Kind kind, const StepReport& report);
 Troubles troubles_between(const StepReport& before, const StepReport& after);
 /// Says what the bits stand for.
 inline constexpr std::array trouble_kinds{Problem::Kind::frozen, Problem::Kind::unsolved,
@@ -51,7 +53,7 @@ class RodJudge {
   /// position(particle), strain(rod, distance of its ends) and is_broken(rod) say how they are.
   template <class Position, class Strain, class IsBroken>
   void judge(double most_strain, Position&& position, Strain&& strain_at, IsBroken&& is_broken,
-             std::vector<Problem>& out) const {
+             Array<Problem>& out) const {
     for (std::uint32_t i = 0; i < rods_.size(); ++i) {
       const auto& [a, b, first_movable, is_spared, one_sided] = rods_[i];
       if (is_spared) continue;
@@ -67,10 +69,10 @@ class RodJudge {
     bool is_spared = false;  ///< It is elastic, or was removed.
     bool one_sided = false;
   };
-  std::vector<JudgedRod> rods_;
+  Array<JudgedRod> rods_;
 };
 
 /// Appends the problems that troubles name, of an island with this particle.
-void append_problems(Troubles troubles, std::uint32_t particle, std::vector<Problem>& out);
+void append_problems(Troubles troubles, std::uint32_t particle, Array<Problem>& out);
 
 }  // namespace plumb::detail

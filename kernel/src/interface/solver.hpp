@@ -4,12 +4,12 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "interface/grab.hpp"
 #include "interface/place.hpp"
 #include "interface/state_hash.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"
@@ -59,7 +59,7 @@ enum class Saved : std::uint8_t { step, window };
 ///
 /// A solver's islands come in pieces that share nothing, so that several threads may advance several pieces
 /// at once. Thread `part` of the team uses the working memory of that number.
-class Solver {
+class Solver : public InMemory {
  public:
   virtual ~Solver() = default;
 

@@ -19,8 +19,8 @@ class Dissection {
     }
   }
 
-  std::vector<Index> run() {
-    std::vector<Index> all(neighbours_.size());
+  Array<Index> run() {
+    Array<Index> all(neighbours_.size());
     for (Index i = 0; i < all.size(); ++i) all[i] = i;
     cut(std::move(all));
     return std::move(order_);
@@ -30,10 +30,10 @@ class Dissection {
   static constexpr std::size_t smallest = 12;
 
   /// Returns the part of `start` by growing distance, and writes levels into level_.
-  std::vector<Index> search(Index start) {
+  Array<Index> search(Index start) {
     const Index part = part_[start];
     const Index seen = ++last_part_;
-    std::vector<Index> found{start};
+    Array<Index> found{start};
     level_[start] = 0;
     part_[start] = seen;
     for (std::size_t k = 0; k < found.size(); ++k)
@@ -46,16 +46,16 @@ class Dissection {
     return found;
   }
 
-  void cut(std::vector<Index> nodes) {
+  void cut(Array<Index> nodes) {
     const Index part = ++last_part_;
     for (const Index i : nodes) part_[i] = part;
     if (nodes.size() <= smallest) {
       order_.insert(order_.end(), nodes.begin(), nodes.end());
       return;
     }
-    std::vector<Index> found = search(nodes.front());
+    Array<Index> found = search(nodes.front());
     if (found.size() < nodes.size()) {  // there are several pieces
-      std::vector<Index> others;
+      Array<Index> others;
       for (const Index i : nodes)
         if (part_[i] == part) others.push_back(i);
       cut(std::move(found));
@@ -64,14 +64,14 @@ class Dissection {
     }
     for (int turn = 0; turn < 3; ++turn) found = search(found.back());
     const Index middle = level_[found[found.size() / 2]];
-    std::vector<Index> low, between, high;
+    Array<Index> low, between, high;
     for (const Index i : found) (level_[i] < middle ? low : level_[i] > middle ? high : between).push_back(i);
     if (low.empty() || high.empty()) {
       order_.insert(order_.end(), nodes.begin(), nodes.end());
       return;
     }
     // Of the level, only what touches both sides has to be cut out.
-    std::vector<Index> separator;
+    Array<Index> separator;
     for (const Index i : between) {
       const bool touches = std::any_of(neighbours_[i].begin(), neighbours_[i].end(), [&](Index next) {
         return part_[next] == part_[i] && level_[next] == middle + 1;
@@ -83,15 +83,15 @@ class Dissection {
     order_.insert(order_.end(), separator.begin(), separator.end());
   }
 
-  std::vector<std::vector<Index>> neighbours_;
-  std::vector<Index> part_, level_, order_;
+  Array<Array<Index>> neighbours_;
+  Array<Index> part_, level_, order_;
   Index last_part_ = 0;
 };
 
 }  // namespace
 
-std::vector<Index> order_by_degree(Index nodes, std::span<const std::pair<Index, Index>> edges) {
-  std::vector<Eigen::Triplet<double>> entries;
+Array<Index> order_by_degree(Index nodes, std::span<const std::pair<Index, Index>> edges) {
+  Array<Eigen::Triplet<double>> entries;
   for (Index i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1);
   for (const auto& [a, b] : edges) {
     entries.emplace_back(a, b, 1);
@@ -101,13 +101,13 @@ std::vector<Index> order_by_degree(Index nodes, std::span<const std::pair<Index,
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(matrix, permutation);
-  std::vector<Index> order;
+  Array<Index> order;
   for (Eigen::Index i = 0; i < permutation.size(); ++i)
     order.push_back(static_cast<Index>(permutation.indices()[i]));
   return order;
 }
 
-std::vector<Index> order_by_dissection(Index nodes, std::span<const std::pair<Index, Index>> edges) {
+Array<Index> order_by_dissection(Index nodes, std::span<const std::pair<Index, Index>> edges) {
   return Dissection(nodes, edges).run();
 }
 

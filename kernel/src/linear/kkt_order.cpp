@@ -20,8 +20,8 @@ constexpr Index least_approximate = 65;
 constexpr std::size_t many_updates = 30;
 
 /// Returns for every node its triples if it is a constraint, or else its constraints.
-std::vector<std::vector<Index>> own_nodes(const KktGraph& graph) {
-  std::vector<std::vector<Index>> own(graph.neighbours.size());
+Array<Array<Index>> own_nodes(const KktGraph& graph) {
+  Array<Array<Index>> own(graph.neighbours.size());
   for (Index n = 0; n < own.size(); ++n)
     for (const Index m : graph.neighbours[n])
       if (graph.is_triple(m) != graph.is_triple(n)) own[n].push_back(m);
@@ -29,8 +29,8 @@ std::vector<std::vector<Index>> own_nodes(const KktGraph& graph) {
 }
 
 /// Returns for every constraint how many triples it has, and for every triple 0.
-std::vector<Index> count_triples(const KktGraph& graph, const std::vector<std::vector<Index>>& own) {
-  std::vector<Index> count(own.size(), 0);
+Array<Index> count_triples(const KktGraph& graph, const Array<Array<Index>>& own) {
+  Array<Index> count(own.size(), 0);
   for (Index n = graph.threes; n < own.size(); ++n) count[n] = static_cast<Index>(own[n].size());
   return count;
 }
@@ -41,8 +41,7 @@ class Elimination {
  public:
   explicit Elimination(const KktGraph& graph)
       : graph_(graph), own_(own_nodes(graph)), waiting_(count_triples(graph, own_)), behind_(own_.size(), 0) {
-    for (const std::vector<Index>& each : graph.neighbours)
-      neighbours_.emplace_back(each.begin(), each.end());
+    for (const Array<Index>& each : graph.neighbours) neighbours_.emplace_back(each.begin(), each.end());
     for (Index n = 0; n < neighbours_.size(); ++n)
       if (waiting_[n] == 0) queue_.insert(rank(n));
   }
@@ -95,16 +94,16 @@ class Elimination {
   }
 
   const KktGraph& graph_;
-  std::vector<std::vector<Index>> own_;
-  std::vector<std::set<Index>> neighbours_;
-  std::vector<Index> waiting_;  ///< So many triples go before a constraint may be eliminated.
-  std::vector<Index> behind_;   ///< It is the longest row of neighbours that went one by one.
+  Array<Array<Index>> own_;
+  Array<std::set<Index>> neighbours_;
+  Array<Index> waiting_;  ///< So many triples go before a constraint may be eliminated.
+  Array<Index> behind_;   ///< It is the longest row of neighbours that went one by one.
   std::set<Rank> queue_;
 };
 
 /// Returns the pairs of triples that are coupled, or have a constraint in common.
-std::vector<std::pair<Index, Index>> pairs_of_triples(const KktGraph& graph) {
-  std::vector<std::pair<Index, Index>> pairs;
+Array<std::pair<Index, Index>> pairs_of_triples(const KktGraph& graph) {
+  Array<std::pair<Index, Index>> pairs;
   for (Index n = 0; n < graph.neighbours.size(); ++n)
     for (const Index a : graph.neighbours[n]) {
       if (!graph.is_triple(a)) continue;
@@ -120,10 +119,10 @@ std::vector<std::pair<Index, Index>> pairs_of_triples(const KktGraph& graph) {
 /// Puts constraints behind triples that are eliminated in this order: all that have no triple left, and one
 /// of the others. That is the one whose last triple goes latest, since left waiting it would fill factors
 /// until then. On square nets those have twice the updates if it is the one whose last triple goes first.
-KktColumns follow_triples(const KktGraph& graph, const std::vector<Index>& order) {
-  const std::vector<std::vector<Index>> own = own_nodes(graph);
-  std::vector<Index> waiting = count_triples(graph, own);
-  std::vector<Index> last(own.size(), 0);  // triple of a constraint, by elimination
+KktColumns follow_triples(const KktGraph& graph, const Array<Index>& order) {
+  const Array<Array<Index>> own = own_nodes(graph);
+  Array<Index> waiting = count_triples(graph, own);
+  Array<Index> last(own.size(), 0);  // triple of a constraint, by elimination
   for (Index k = 0; k < order.size(); ++k)
     for (const Index c : own[order[k]]) last[c] = k;
   KktColumns columns;
@@ -139,7 +138,7 @@ KktColumns follow_triples(const KktGraph& graph, const std::vector<Index>& order
   for (Index k = 0; k < order.size(); ++k) {
     columns.push_back({order[k]});
     room = 1;
-    const std::vector<Index>& constraints = own[order[k]];
+    const Array<Index>& constraints = own[order[k]];
     for (const Index c : constraints)
       if (last[c] == k && waiting[c] > 0) put(c);
     const auto latest = std::max_element(constraints.begin(), constraints.end(), [&](Index a, Index b) {
@@ -151,14 +150,14 @@ KktColumns follow_triples(const KktGraph& graph, const std::vector<Index>& order
 }
 
 /// Returns the rows of each column's factor below the diagonal (Liu 1990).
-std::vector<std::vector<Index>> rows_below(const KktGraph& graph, const KktColumns& columns) {
+Array<Array<Index>> rows_below(const KktGraph& graph, const KktColumns& columns) {
   constexpr Index none = std::numeric_limits<Index>::max();
-  std::vector<Index> column_of(graph.neighbours.size());
+  Array<Index> column_of(graph.neighbours.size());
   for (Index k = 0; k < columns.size(); ++k)
     for (const Index n : columns[k]) column_of[n] = k;
   // A column has the rows of its own, and of those columns whose first row it is.
-  std::vector<std::vector<Index>> rows(columns.size()), children(columns.size());
-  std::vector<Index> seen_by(columns.size(), none);
+  Array<Array<Index>> rows(columns.size()), children(columns.size());
+  Array<Index> seen_by(columns.size(), none);
   for (Index k = 0; k < columns.size(); ++k) {
     const auto add = [&](Index row) {
       if (row > k && std::exchange(seen_by[row], k) != k) rows[k].push_back(row);
@@ -173,9 +172,9 @@ std::vector<std::vector<Index>> rows_below(const KktGraph& graph, const KktColum
   return rows;
 }
 
-std::size_t count_updates(const std::vector<std::vector<Index>>& rows) {
+std::size_t count_updates(const Array<Array<Index>>& rows) {
   std::size_t sum = 0;
-  for (const std::vector<Index>& each : rows) sum += each.size() * (each.size() + 1) / 2;
+  for (const Array<Index>& each : rows) sum += each.size() * (each.size() + 1) / 2;
   return sum;
 }
 
@@ -189,7 +188,7 @@ KktGraph::KktGraph(Index threes_in, Index constraints, std::span<const std::pair
     neighbours[m].push_back(n);
     neighbours[n].push_back(m);
   }
-  for (std::vector<Index>& each : neighbours) {
+  for (Array<Index>& each : neighbours) {
     std::sort(each.begin(), each.end());
     each.erase(std::unique(each.begin(), each.end()), each.end());
   }
@@ -197,7 +196,7 @@ KktGraph::KktGraph(Index threes_in, Index constraints, std::span<const std::pair
 
 KktOrder order_columns(const KktGraph& graph) {
   const auto with_rows = [&](KktColumns columns) {
-    std::vector<std::vector<Index>> rows = rows_below(graph, columns);
+    Array<Array<Index>> rows = rows_below(graph, columns);
     return KktOrder{std::move(columns), std::move(rows)};
   };
   if (graph.threes >= least_approximate) {

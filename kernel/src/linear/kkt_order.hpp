@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -21,16 +22,16 @@ struct KktGraph {
   bool is_triple(std::uint32_t node) const { return node < threes; }
 
   std::uint32_t threes;
-  std::vector<std::vector<std::uint32_t>> neighbours;  ///< of every node, ascending
+  Array<Array<std::uint32_t>> neighbours;  ///< of every node, ascending
 };
 
 /// Nodes by columns, in the order of elimination: a triple, with a constraint that is eliminated right after
 /// it if there is one, or up to four constraints.
-using KktColumns = std::vector<std::vector<std::uint32_t>>;
+using KktColumns = Array<Array<std::uint32_t>>;
 
 struct KktOrder {
   KktColumns columns;
-  std::vector<std::vector<std::uint32_t>> rows;  ///< of each column's factor below the diagonal, ascending
+  Array<Array<std::uint32_t>> rows;  ///< of each column's factor below the diagonal, ascending
 };
 
 /// Finds an order that fills the factors with little. A constraint comes after all its triples, or as the

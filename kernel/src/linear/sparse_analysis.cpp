@@ -13,9 +13,8 @@ constexpr Index none = 0xffffffff;
 constexpr Index narrow = 16;
 
 /// Returns the later neighbours of each variable, in numbers of the elimination order.
-std::vector<std::vector<Index>> later_neighbours(const SparsePattern& pattern,
-                                                 const std::vector<Index>& number) {
-  std::vector<std::vector<Index>> later(pattern.size.size());
+Array<Array<Index>> later_neighbours(const SparsePattern& pattern, const Array<Index>& number) {
+  Array<Array<Index>> later(pattern.size.size());
   for (const auto& [a, b] : pattern.meet) {
     const auto [first, second] = std::minmax(number[a], number[b]);
     if (first != second) later[first].push_back(second);
@@ -28,12 +27,12 @@ std::vector<std::vector<Index>> later_neighbours(const SparsePattern& pattern,
 }
 
 /// Finds the elimination tree (Liu 1990) by path compression.
-std::vector<Index> elimination_tree(const std::vector<std::vector<Index>>& later) {
+Array<Index> elimination_tree(const Array<Array<Index>>& later) {
   const auto n = static_cast<Index>(later.size());
-  std::vector<std::vector<Index>> earlier(n);
+  Array<Array<Index>> earlier(n);
   for (Index i = 0; i < n; ++i)
     for (const Index j : later[i]) earlier[j].push_back(i);
-  std::vector<Index> parent(n, none), ancestor(n, none);
+  Array<Index> parent(n, none), ancestor(n, none);
   for (Index j = 0; j < n; ++j)
     for (Index i : earlier[j])
       while (i != none && i < j) {
@@ -46,9 +45,9 @@ std::vector<Index> elimination_tree(const std::vector<std::vector<Index>>& later
 }
 
 /// Puts children before parents, a parent right after its last child, and the widest subtrees last.
-std::vector<Index> postorder(const std::vector<Index>& parent) {
+Array<Index> postorder(const Array<Index>& parent) {
   const auto n = static_cast<Index>(parent.size());
-  std::vector<Index> head(n + std::size_t{1}, none), next(n, none), order, stack;
+  Array<Index> head(n + std::size_t{1}, none), next(n, none), order, stack;
   for (Index i = n; i-- > 0;) {
     const Index p = parent[i] == none ? n : parent[i];
     next[i] = head[p];
@@ -84,9 +83,9 @@ double operations_of(std::size_t pivots, std::size_t rows) {
 
 /// The order is made a postorder here, and the structure of the factor is found.
 struct SparseAnalysis::Symbolic {
-  std::vector<Index> order, number, parent;
-  std::vector<std::vector<Index>> below;  ///< Per variable, its elimination touches these after it.
-  std::vector<Index> start;               ///< The numbers of each variable begin here; the end follows.
+  Array<Index> order, number, parent;
+  Array<Array<Index>> below;  ///< Per variable, its elimination touches these after it.
+  Array<Index> start;         ///< The numbers of each variable begin here; the end follows.
 
   Index numbers(Index i) const { return start[i + 1] - start[i]; }
 };
@@ -100,15 +99,15 @@ SparseAnalysis::Symbolic SparseAnalysis::analyse(const SparsePattern& pattern) {
     for (Index i = 0; i < n; ++i) s.number[s.order[i]] = i;
   };
   renumber();
-  const std::vector<Index> post = postorder(elimination_tree(later_neighbours(pattern, s.number)));
-  std::vector<Index> order(n);
+  const Array<Index> post = postorder(elimination_tree(later_neighbours(pattern, s.number)));
+  Array<Index> order(n);
   for (Index i = 0; i < n; ++i) order[i] = s.order[post[i]];
   s.order = std::move(order);
   renumber();
   s.below = later_neighbours(pattern, s.number);
   s.parent.assign(n, none);
-  std::vector<std::vector<Index>> children(n);
-  std::vector<Index> mark(n, none);
+  Array<Array<Index>> children(n);
+  Array<Index> mark(n, none);
   for (Index j = 0; j < n; ++j) {
     auto& rows = s.below[j];
     mark[j] = j;
@@ -151,9 +150,9 @@ SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const Spa
 
 /// Fronts are runs of variables, each the parent of the one before, with nearly the same rows. Returns the
 /// front of every variable.
-std::vector<Index> SparseAnalysis::find_fronts(const Symbolic& s) {
+Array<Index> SparseAnalysis::find_fronts(const Symbolic& s) {
   const auto n = static_cast<Index>(s.order.size());
-  std::vector<Index> front_of(n);
+  Array<Index> front_of(n);
   for (Index i = 0; i < n;) {
     const Index first = i;
     Index width = s.numbers(i);
@@ -188,19 +187,19 @@ std::vector<Index> SparseAnalysis::find_fronts(const Symbolic& s) {
 }
 
 /// Finds who passes its rows on to whom and where they are there, and where every entry goes.
-void SparseAnalysis::link_fronts(const Symbolic& s, const std::vector<Index>& front_of,
+void SparseAnalysis::link_fronts(const Symbolic& s, const Array<Index>& front_of,
                                  std::span<const SparseEntry> entries) {
   const auto n = static_cast<Index>(s.order.size());
-  std::vector<Index> variable_of(size_), local(size_);
+  Array<Index> variable_of(size_), local(size_);
   for (Index i = 0; i < n; ++i)
     for (Index k = s.start[i]; k < s.start[i + 1]; ++k) variable_of[k] = i;
-  std::vector<std::vector<Index>> children(fronts_.size());
+  Array<Array<Index>> children(fronts_.size());
   relative_.resize(rows_.size());
   const auto number_rows = [&](const Front& front) {
     for (Index k = 0; k < front.pivots; ++k) local[front.first + k] = k;
     for (Index k = front.pivots; k < front.rows; ++k) local[rows_[front.row_begin + k - front.pivots]] = k;
   };
-  std::vector<std::vector<Index>> entries_of(fronts_.size());
+  Array<Array<Index>> entries_of(fronts_.size());
   for (Index e = 0; e < entries.size(); ++e)
     entries_of[front_of[std::min(s.number[entries[e].row], s.number[entries[e].column])]].push_back(e);
   std::size_t used = 0;

@@ -14,7 +14,7 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
   const KktGraph graph(threes, constraints, couplings);
   const KktOrder order = order_columns(graph);
   position_.resize(3 * std::size_t{threes} + constraints);
-  for (const std::vector<std::uint32_t>& nodes : order.columns) {
+  for (const Array<std::uint32_t>& nodes : order.columns) {
     std::uint32_t at = 4 * columns_;
     const auto put = [&](std::uint32_t unknown) { position_[unknown] = at++; };
     for (const std::uint32_t n : nodes) {
@@ -27,7 +27,7 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
     while (at < 4 * columns_) padding_.push_back(at++);
   }
   start_.assign(1, 0);
-  for (const std::vector<std::uint32_t>& rows : order.rows) {
+  for (const Array<std::uint32_t>& rows : order.rows) {
     rows_.insert(rows_.end(), rows.begin(), rows.end());
     start_.push_back(static_cast<std::uint32_t>(rows_.size()));
   }
@@ -36,15 +36,15 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
 
 void KktPlan::find_targets() {
   // Columns that have a row, and where they have it.
-  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> having(columns_);
-  std::vector<std::size_t> first(columns_ + std::size_t{1}, 0);  // target of a column
+  Array<Array<std::pair<std::uint32_t, std::uint32_t>>> having(columns_);
+  Array<std::size_t> first(columns_ + std::size_t{1}, 0);  // target of a column
   for (std::uint32_t k = 0; k < columns_; ++k) {
     const std::size_t tiles = start_[k + 1] - start_[k];
     first[k + 1] = first[k] + tiles * (tiles + 1) / 2;
     for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) having[rows_[i]].emplace_back(k, i);
   }
   targets_.resize(first.back());
-  std::vector<std::uint32_t> tile_of(columns_);  // of a row, in the column of now
+  Array<std::uint32_t> tile_of(columns_);  // of a row, in the column of now
   for (std::uint32_t column = 0; column < columns_; ++column) {
     tile_of[column] = column;
     for (std::uint32_t i = start_[column]; i < start_[column + 1]; ++i) tile_of[rows_[i]] = columns_ + i;
@@ -69,8 +69,8 @@ std::uint32_t KktPlan::place(std::uint32_t a, std::uint32_t b) const {
   return 16 * block(low / 4, high / 4) + 4 * (low % 4) + high % 4;
 }
 
-std::vector<simd::Block> KktPlan::empty_matrix() const {
-  std::vector<simd::Block> out(blocks(), simd::Block{});
+Array<simd::Block> KktPlan::empty_matrix() const {
+  Array<simd::Block> out(blocks(), simd::Block{});
   for (const std::uint32_t at : padding_) out[at / 4].of[5 * (at % 4)] = 1;
   return out;
 }

@@ -4,15 +4,15 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "simd/kkt/kkt_kernels.hpp"
 
 namespace plumb::detail {
 
 /// Returns the numbers of blocks or quads, one after the other.
 template <class Numbers>
-std::span<double> numbers(std::vector<Numbers>& of) {
+std::span<double> numbers(Array<Numbers>& of) {
   return {of.front().of, of.size() * (sizeof(Numbers) / sizeof(double))};
 }
 
@@ -43,7 +43,7 @@ class KktPlan {
   /// the diagonal.
   std::uint32_t place(std::uint32_t a, std::uint32_t b) const;
   /// Returns zeros, with ones on the diagonal where no unknown stands, so that blocks have inverses.
-  std::vector<simd::Block> empty_matrix() const;
+  Array<simd::Block> empty_matrix() const;
   /// Says where an unknown stands in vectors that are solved.
   std::uint32_t position(std::uint32_t unknown) const { return position_[unknown]; }
 
@@ -59,12 +59,11 @@ class KktPlan {
 
   const simd::KktKernels* kernels_ = nullptr;
   std::uint32_t columns_ = 0;
-  std::vector<std::uint32_t> position_;
-  std::vector<std::uint32_t> padding_;  ///< These positions have no unknown.
-  std::vector<std::uint32_t>
-      start_;                        ///< Every column's blocks below the diagonal begin here, by elimination.
-  std::vector<std::uint32_t> rows_;  ///< These are their rows, by elimination, ascending.
-  std::vector<std::uint32_t> targets_;  ///< factor() updates these blocks, in its order.
+  Array<std::uint32_t> position_;
+  Array<std::uint32_t> padding_;  ///< These positions have no unknown.
+  Array<std::uint32_t> start_;    ///< Every column's blocks below the diagonal begin here, by elimination.
+  Array<std::uint32_t> rows_;     ///< These are their rows, by elimination, ascending.
+  Array<std::uint32_t> targets_;  ///< factor() updates these blocks, in its order.
 };
 
 }  // namespace plumb::detail

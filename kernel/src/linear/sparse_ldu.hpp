@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "simd/front/front_kernels.hpp"
 
 namespace plumb::detail {
@@ -12,9 +12,9 @@ namespace plumb::detail {
 /// A square matrix with a symmetric pattern has a graph: its variables consist of one or more numbers each,
 /// and some of them meet.
 struct SparsePattern {
-  std::vector<std::uint32_t> size;  ///< Each variable has so many numbers.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> meet;
-  std::vector<std::uint32_t> order;  ///< Variables are eliminated in this order.
+  Array<std::uint32_t> size;  ///< Each variable has so many numbers.
+  Array<std::pair<std::uint32_t, std::uint32_t>> meet;
+  Array<std::uint32_t> order;  ///< Variables are eliminated in this order.
 };
 
 /// A value is added at row `row_part` of variable `row` and column `column_part` of variable `column`.
@@ -53,17 +53,17 @@ class SparseAnalysis {
   struct Symbolic;
 
   static Symbolic analyse(const SparsePattern& pattern);
-  std::vector<std::uint32_t> find_fronts(const Symbolic& s);
-  void link_fronts(const Symbolic& s, const std::vector<std::uint32_t>& front_of,
+  Array<std::uint32_t> find_fronts(const Symbolic& s);
+  void link_fronts(const Symbolic& s, const Array<std::uint32_t>& front_of,
                    std::span<const SparseEntry> entries);
 
   std::size_t size_ = 0, numbers_ = 0, stack_ = 0;
   std::size_t padded_ = 0;    ///< L and U each have so many numbers with padding.
   std::uint32_t widest_ = 0;  ///< It is the largest stride.
   double operations_ = 0;
-  std::vector<Front> fronts_;
-  std::vector<std::uint32_t> rows_, relative_, position_, children_;
-  std::vector<Place> places_;
+  Array<Front> fronts_;
+  Array<std::uint32_t> rows_, relative_, position_, children_;
+  Array<Place> places_;
 };
 
 /// Factorises an unsymmetric matrix as L U without exchange of rows, always by the same operations in the
@@ -93,7 +93,7 @@ class SparseLdu {
   const simd::FrontKernels* kernels_;
   layouts::AlignedBuffer<double> upper_, lower_, inverse_;
   layouts::AlignedBuffer<double> block_, x_;  ///< The front at work is here.
-  std::vector<double> stack_;                 ///< Fronts pass this on to their parents.
+  Array<double> stack_;                       ///< Fronts pass this on to their parents.
 };
 
 }  // namespace plumb::detail

@@ -10,7 +10,7 @@ namespace plumb::detail {
 namespace {
 
 /// Lists the particles of a capsule, ascending and each once.
-std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
+Array<std::uint32_t> particles_of(const Capsule& capsule) {
   std::set<std::uint32_t> out;
   for (const Point* const point : {&capsule.a, &capsule.b})
     for (std::size_t k = 0; k < 4; ++k)
@@ -38,7 +38,7 @@ Bare::Bare(const Scene& scene, const QuerySettings& settings)
       first_(sizes_of(scene)) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const Capsule& capsule : scene.capsules) {
-    const std::vector<std::uint32_t> particles = particles_of(capsule);
+    const Array<std::uint32_t> particles = particles_of(capsule);
     for (const std::uint32_t particle : particles) shown_particles_[particle] = 1;
     if (particles.size() == 2) pairs.emplace(particles[0], particles[1]);
   }
@@ -83,7 +83,7 @@ void Bare::find_added(const Scene& now, const Population& population, const HasS
   for_added(now.capsules.size(), first_.capsules, population.capsules, [&](std::uint32_t i) {
     if (!has_shape({ShapeKind::capsule, i})) return;
     shapes_.push_back({{ShapeKind::capsule, i}, digest_of(now.capsules[i])});
-    const std::vector<std::uint32_t> particles = particles_of(now.capsules[i]);
+    const Array<std::uint32_t> particles = particles_of(now.capsules[i]);
     added_at_.insert(added_at_.end(), particles.begin(), particles.end());
     if (particles.size() == 2) added_pairs_.emplace_back(particles[0], particles[1]);
   });

@@ -4,8 +4,8 @@
 #include <functional>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/shapes/queries.hpp"
 #include "queries/things.hpp"
 #include "step/breaks/numbers.hpp"
@@ -30,14 +30,13 @@ class Bare {
   void find_added(const Scene& now, const Population& population, const HasShape& has_shape);
 
   bool finds_rods_, finds_particles_;
-  std::vector<std::uint8_t> shown_rods_, shown_particles_;  ///< of the scene
-  std::vector<BareRod> rods_;
-  std::vector<std::uint32_t> particles_;
+  Array<std::uint8_t> shown_rods_, shown_particles_;  ///< of the scene
+  Array<BareRod> rods_;
+  Array<std::uint32_t> particles_;
   ByKind<std::uint32_t> first_;  ///< how many the scene has
-  std::vector<AddedShape> shapes_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      added_pairs_;                      ///< particles that those join, ascending
-  std::vector<std::uint32_t> added_at_;  ///< particles that they are at, ascending
+  Array<AddedShape> shapes_;
+  Array<std::pair<std::uint32_t, std::uint32_t>> added_pairs_;  ///< particles that those join, ascending
+  Array<std::uint32_t> added_at_;                               ///< particles that they are at, ascending
 };
 
 }  // namespace plumb::detail

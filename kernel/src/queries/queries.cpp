@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "queries/bare.hpp"
 #include "queries/casts.hpp"
@@ -39,11 +40,11 @@ struct PLUMB_HIDDEN Queries::Impl {
   detail::Things things;
   detail::Bare bare;
   detail::QueryTree tree;
-  std::vector<Thing> ordered;           ///< as the hierarchy has them, so that neighbours lie side by side
+  Array<Thing> ordered;                 ///< as the hierarchy has them, so that neighbours lie side by side
   detail::ByKind<std::uint32_t> sizes;  ///< of the scene; a world may have more
-  std::vector<Vec3> positions;
-  std::vector<std::uint8_t> gone, ended_capsules, ended_hulls;  ///< by rod, and by shape of the scene
-  std::vector<Pose> platforms;
+  Array<Vec3> positions;
+  Array<std::uint8_t> gone, ended_capsules, ended_hulls;  ///< by rod, and by shape of the scene
+  Array<Pose> platforms;
 };
 
 namespace {
@@ -95,7 +96,7 @@ Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
       gone(scene.rods.size()),
       ended_capsules(scene.capsules.size()),
       ended_hulls(scene.hulls.size()),
-      platforms(scene.platforms) {
+      platforms(scene.platforms.begin(), scene.platforms.end()) {
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
   follow(scene);
 }
@@ -205,7 +206,7 @@ void Queries::update(const World& world) {
   require(world.particle_count(), of.sizes.particles, "particles");
   require(world.rod_count(), of.sizes.rods, "rods");
   // A world refuses what it does not have. Nothing of this has changed by then.
-  std::vector<Pose>& platforms = of.platforms;
+  Array<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
   for (const auto& [kind, count] :
        {std::pair(ShapeKind::capsule, of.sizes.capsules), std::pair(ShapeKind::hull, of.sizes.hulls)})
@@ -219,8 +220,7 @@ void Queries::update(const World& world) {
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
     of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;
   // Numbers of what was removed may be those of what was added since.
-  const auto list_ended = [&](ShapeKind kind, const detail::Numbers& numbers,
-                              std::vector<std::uint8_t>& out) {
+  const auto list_ended = [&](ShapeKind kind, const detail::Numbers& numbers, Array<std::uint8_t>& out) {
     for (std::uint32_t i = 0; i < out.size(); ++i)
       out[i] = !numbers.is_first(i) || !step.has_shape({kind, i}) ? 1 : 0;
   };

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/shapes/bounds.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -84,8 +84,8 @@ class QueryTree {
   }
   static void meet(const Node& node, const FloatWay& way, Lanes& near, Lanes& far);
 
-  std::vector<Node> nodes_;  ///< each before its children
-  std::vector<std::uint32_t> order_;
+  Array<Node> nodes_;  ///< each before its children
+  Array<std::uint32_t> order_;
   Vec3 extent_{};  ///< m, the farthest coordinates of its boxes
   double area_ = 0, built_area_ = 0;
 };

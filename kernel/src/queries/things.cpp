@@ -20,7 +20,7 @@ Things::Things(const Scene& scene, const QuerySettings& settings)
   for (std::size_t i = 0; i < scene.hulls.size(); ++i) add_hull(scene, i);
   add_ground(scene);
   first_ = {things_.size(), targets_.size(), lines_.size(), carried_.size(), solids_.size()};
-  poses_ = scene.platforms;
+  poses_.assign(scene.platforms.begin(), scene.platforms.end());
   bounds_.resize(things_.size());
   // What does not move is taken now.
   for (std::size_t i = 0; i < things_.size(); ++i) bounds_[i] = around(things_[i]);
@@ -76,7 +76,7 @@ void Things::add_ground(const Scene& scene) {
   first_box_ = solids_.size();
   first_box_thing_ = things_.size();
   ground_hulls_.reserve(scene.ground_hulls.size());
-  home_planes_ = scene.planes;
+  home_planes_.assign(scene.planes.begin(), scene.planes.end());
   for (std::size_t i = 0; i < scene.planes.size(); ++i) {
     const Plane& each = scene.planes[i];
     planes_.push_back({each.normal, each.offset, add(shape_of(ShapeKind::plane, i), each.filter)});

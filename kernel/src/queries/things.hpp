@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/combination.hpp"
 #include "contact/platforms/platforms.hpp"
@@ -11,6 +10,7 @@
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/meshes/triangle_mesh.hpp"
 #include "contact/surroundings.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/shapes/queries.hpp"
 #include "queries/solid_box.hpp"
 
@@ -96,8 +96,8 @@ class Things {
     std::uint32_t thing = 0, solid = 0;
     ConvexHull hull;  ///< as it is in the scene
     std::array<std::uint32_t, 4> particles;
-    std::vector<std::array<double, 4>> corners;  ///< weights of the particles
-    std::vector<Vec3> vertices, normals;         ///< now
+    Array<std::array<double, 4>> corners;  ///< weights of the particles
+    Array<Vec3> vertices, normals;         ///< now
   };
 
   std::uint32_t add(const QueryTarget& target, const Filter& filter);
@@ -112,34 +112,34 @@ class Things {
   void move_hulls(const Whereabouts& now);
   Bounds around(const Thing& thing) const;
 
-  std::vector<QueryTarget> targets_;
-  std::vector<Filter> filters_;
-  std::vector<std::uint32_t> index_;  ///< by number: which of the solids or meshes it is
-  std::vector<Thing> things_;
-  std::vector<Bounds> bounds_;
-  std::vector<Line> lines_;
+  Array<QueryTarget> targets_;
+  Array<Filter> filters_;
+  Array<std::uint32_t> index_;  ///< by number: which of the solids or meshes it is
+  Array<Thing> things_;
+  Array<Bounds> bounds_;
+  Array<Line> lines_;
   /// Says how many of each the scene has: what is bare or was added comes after these.
   struct Counts {
     std::size_t things = 0, numbers = 0, lines = 0, carried = 0, solids = 0;
   } first_;
   double rod_radius_, particle_radius_;  ///< m
-  std::vector<BareRod> rods_;
-  std::vector<std::uint32_t> particles_;
-  std::vector<AddedShape> added_;
-  std::vector<std::unique_ptr<Carried>> carried_;  ///< Convex shapes point to what stays where it is.
+  Array<BareRod> rods_;
+  Array<std::uint32_t> particles_;
+  Array<AddedShape> added_;
+  Array<std::unique_ptr<Carried>> carried_;  ///< Convex shapes point to what stays where it is.
   /// Of solids, which are hulls on bodies, boxes, hulls of the ground and added hulls in this order: their
   /// shapes now, and the first box.
-  std::vector<Convex> solids_;
+  Array<Convex> solids_;
   std::size_t first_box_ = 0, first_box_thing_ = 0;
-  std::vector<ConvexHull> ground_hulls_;
-  std::vector<SolidBox> boxes_;  ///< now
-  std::vector<TriangleMesh> meshes_;
-  std::vector<std::uint32_t> wide_;
-  std::vector<PlaneNow> planes_;
-  std::vector<Plane> home_planes_;
-  std::vector<Surroundings::Solid> home_boxes_;
+  Array<ConvexHull> ground_hulls_;
+  Array<SolidBox> boxes_;  ///< now
+  Array<TriangleMesh> meshes_;
+  Array<std::uint32_t> wide_;
+  Array<PlaneNow> planes_;
+  Array<Plane> home_planes_;
+  Array<Surroundings::Solid> home_boxes_;
   Platforms platforms_;
-  std::vector<Pose> poses_;  ///< of the platforms, now
+  Array<Pose> poses_;  ///< of the platforms, now
 };
 
 }  // namespace plumb::detail

@@ -31,7 +31,7 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
 /// A rod may stand in several lanes of the last position, where islands are repeated to fill it.
 template <class T>
 std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) const {
-  std::vector<std::uint32_t> seen;
+  Array<std::uint32_t> seen;
   seen.reserve((end - begin) * std::size_t{packing_.lanes});
   for (std::size_t i = std::size_t{begin} * packing_.lanes; i < std::size_t{end} * packing_.lanes; ++i)
     if (packing_.lane_edge[i] != none) seen.push_back(packing_.lane_edge[i]);
@@ -44,7 +44,7 @@ void Block<T>::set_weights(const Weighing& by) {
   const Constants& constants = by.constants;
   const std::uint32_t lanes = packing_.lanes;
   // Packings may turn a rod round, so its ends are looked up by address.
-  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const Array<std::uint32_t> slot_at = slots_by_element();
   moving_anchors_.reserve(static_cast<std::size_t>(
       std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
                     [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
@@ -120,15 +120,15 @@ simd::LawView<T> Block<T>::law_view(T* p, const simd::LawTerms<T>& terms) {
 }
 
 template <class T>
-std::vector<std::uint32_t> Block<T>::slots_by_element() const {
-  std::vector<std::uint32_t> slot_at(packing_.elements, none);
+Array<std::uint32_t> Block<T>::slots_by_element() const {
+  Array<std::uint32_t> slot_at(packing_.elements, none);
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
     slot_at[packing_.slot_offset[slot]] = slot;
   return slot_at;
 }
 
 template <class T>
-std::uint32_t Block<T>::element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const {
+std::uint32_t Block<T>::element_of_end(const Array<std::uint32_t>& addresses, std::size_t lane) const {
   const std::uint32_t lanes = packing_.lanes;
   return packing_.access == layouts::Access::rows
              ? addresses[lane / lanes] + static_cast<std::uint32_t>(lane % lanes)
@@ -140,7 +140,7 @@ void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
   const bool is_apart = packing_.coupling == layouts::Coupling::independent;
   const std::uint32_t first = is_apart ? q0 * packing_.position_elements : 0,
                       end = is_apart ? q1 * packing_.position_elements : packing_.elements;
-  std::vector<std::uint8_t> frozen_at(end - first, 0);
+  Array<std::uint8_t> frozen_at(end - first, 0);
   const auto [slot0, slot1] = slots_in(q0, q1);
   for (std::uint32_t slot = slot0; slot < slot1; ++slot)
     frozen_at[packing_.slot_offset[slot] - first] = frozen_slots_[slot];
@@ -280,7 +280,7 @@ std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t
     return !std::isfinite(static_cast<T>(next.x)) || !std::isfinite(static_cast<T>(next.y)) ||
            !std::isfinite(static_cast<T>(next.z));
   };
-  std::vector<std::uint32_t> broken;
+  Array<std::uint32_t> broken;
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
     if (!is_within(slot, q0, q1) || !breaks(slot)) continue;
     // A frozen island whose last finite state is too large to square breaks again in every solve.

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "interface/archive.hpp"
 #include "interface/read_rows.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/layouts/stores.hpp"
 #include "plumb/settings.hpp"
@@ -88,16 +88,16 @@ class Block {
   std::uint32_t break_rods(simd::Range range, double by, double h);
   /// Holds what breaking changes.
   struct SavedRods {
-    std::vector<T> weight, law;
-    std::vector<double> mass_of_move;
-    std::vector<std::uint8_t> broken;
+    Array<T> weight, law;
+    Array<double> mass_of_move;
+    Array<std::uint8_t> broken;
   };
   void save_rods(SavedRods& to) const;
   void restore_rods(const SavedRods& from);
 
   /// Returns the impulses (N s) of rods' pulls in a step, by lane; none unless they count.
-  std::vector<double>& pulls() { return pulls_; }
-  const std::vector<double>& pulls() const { return pulls_; }
+  Array<double>& pulls() { return pulls_; }
+  const Array<double>& pulls() const { return pulls_; }
 
   T* x() { return x_.data(); }
   const T* x() const { return x_.data(); }
@@ -194,7 +194,7 @@ class Block {
     };
     std::uint32_t slot;
     double inverse_mass;
-    std::vector<Rod> rods;
+    Array<Rod> rods;
   };
   double inverse_mass_of(std::uint32_t slot, const Constants& constants) const;
   void weigh_grabbed(const Grabbed& of, const Weighing& by);
@@ -213,8 +213,8 @@ class Block {
     const std::uint32_t each = all / packing_.positions;
     return {q0 * each, q1 * each};
   }
-  std::vector<std::uint32_t> slots_by_element() const;
-  std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
+  Array<std::uint32_t> slots_by_element() const;
+  std::uint32_t element_of_end(const Array<std::uint32_t>& addresses, std::size_t lane) const;
   /// Turns the lanes of frozen islands' rods into padding, so that they are neither moved nor looked at
   /// again.
   void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
@@ -239,28 +239,28 @@ class Block {
   layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
   layouts::AlignedBuffer<T> law_, law_start_, shift_, half_kick_;  ///< Blocks of rigid rods have none.
   bool gives_ = false;
-  layouts::AlignedBuffer<T> moved_;   ///< what counting sweeps have moved rigid rods by
-  std::vector<double> pulls_;         ///< by lane, N s; none unless pulls count
-  std::vector<double> mass_of_move_;  ///< by lane, kg; none unless pulls count or rods may break
+  layouts::AlignedBuffer<T> moved_;  ///< what counting sweeps have moved rigid rods by
+  Array<double> pulls_;              ///< by lane, N s; none unless pulls count
+  Array<double> mass_of_move_;       ///< by lane, kg; none unless pulls count or rods may break
   struct Strength {
     double strength;  ///< N
     bool counts;      ///< no lane before has the same rod
   };
-  std::vector<Strength> strengths_;    ///< by lane; none if no rod may break
-  std::vector<double> square_bounds_;  ///< likewise, (strength / mass of move)²
-  std::vector<std::uint8_t> broken_;   ///< likewise
+  Array<Strength> strengths_;    ///< by lane; none if no rod may break
+  Array<double> square_bounds_;  ///< likewise, (strength / mass of move)²
+  Array<std::uint8_t> broken_;   ///< likewise
   T omega_ = 1;
   unsigned newest_ = 0;
-  std::vector<std::uint8_t> uniform_;  ///< It has an entry per position and stage.
+  Array<std::uint8_t> uniform_;  ///< It has an entry per position and stage.
   T uniform_length2_ = 1, uniform_share_ = 0;
   std::uint32_t uniform_rods_ = 0;
-  std::vector<std::uint32_t> rods_before_;     ///< It has positions + 1 entries.
-  std::vector<std::uint32_t> moving_anchors_;  ///< These are slots, by their place in memory while stepping.
+  Array<std::uint32_t> rods_before_;     ///< It has positions + 1 entries.
+  Array<std::uint32_t> moving_anchors_;  ///< These are slots, by their place in memory while stepping.
   bool settling_ = false;
-  std::vector<std::uint8_t> frozen_slots_;
-  std::vector<Grabbed> grabbed_;
-  std::vector<ChangedRod> changed_;      ///< by lane
-  std::vector<double> changed_length2_;  ///< by lane, m², or 0 for the others; none if no rod has changed
+  Array<std::uint8_t> frozen_slots_;
+  Array<Grabbed> grabbed_;
+  Array<ChangedRod> changed_;      ///< by lane
+  Array<double> changed_length2_;  ///< by lane, m², or 0 for the others; none if no rod has changed
 };
 
 extern template class Block<float>;

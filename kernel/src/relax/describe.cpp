@@ -1,13 +1,14 @@
 #include "relax/describe.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace plumb::detail {
 namespace {
 
 /// Counts the islands of a block. Fixed particles that no rod holds belong to none.
 std::uint32_t count_islands(const layouts::Packing& packing) {
-  std::vector<std::uint32_t> islands = packing.slot_island;
+  Array<std::uint32_t> islands = packing.slot_island;
   std::sort(islands.begin(), islands.end());
   islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
   if (!islands.empty() && islands.back() == layouts::none) islands.pop_back();

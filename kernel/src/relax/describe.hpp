@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/world.hpp"
 #include "relax/block.hpp"
 

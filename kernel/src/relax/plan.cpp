@@ -35,7 +35,7 @@ class Planner {
         lanes_(lanes),
         element_bytes_(element_bytes) {}
 
-  std::vector<Packing> make() {
+  Array<Packing> make() {
     for (const auto& set : sets_.sets) add_set(set);
     finish_indexed();
     return std::move(packings_);
@@ -46,7 +46,7 @@ class Planner {
     return {island, islands_.vertices(island), islands_.edges(island)};
   }
 
-  void add_set(const std::vector<std::uint32_t>& set) {
+  void add_set(const Array<std::uint32_t>& set) {
     const LocalGraph local = local_graph(sets_.graph, islands_, set.front());
     const ShapeInfo shape = detect_shape(local.view());
     const auto count = static_cast<std::uint32_t>(set.size());
@@ -85,15 +85,15 @@ class Planner {
   }
 
   template <class Pack>
-  void add_each(const std::vector<std::uint32_t>& set, Pack&& pack) {
+  void add_each(const Array<std::uint32_t>& set, Pack&& pack) {
     for (const std::uint32_t island : set) packings_.push_back(pack(piece(island)));
   }
 
-  void add_lanes(const std::vector<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
+  void add_lanes(const Array<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
     const std::uint64_t islands = (set.size() + lanes_ - 1) / lanes_ * lanes_;
     require_addressable(islands * local.movable.size(), islands * local.edges.size());
-    std::vector<Piece> pieces;
-    std::vector<std::uint8_t> common(local.edges.size(), 1);
+    Array<Piece> pieces;
+    Array<std::uint8_t> common(local.edges.size(), 1);
     for (const std::uint32_t island : set) {
       pieces.push_back(piece(island));
       for (std::size_t i = 0; i < common.size(); ++i) common[i] &= common_[pieces.back().edges[i]];
@@ -102,7 +102,7 @@ class Planner {
         pack_lanes(pieces, local.view(), color_by_shape(local.view(), shape), common, lanes_));
   }
 
-  void add_indexed(const std::vector<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
+  void add_indexed(const Array<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
     // Pending::local is an index into locals_; views are made once that stops growing.
     IndexedPiece indexed{{}, {}, color_by_shape(local.view(), shape), {}};
     indexed.vertex_order =
@@ -117,7 +117,7 @@ class Planner {
   }
 
   void finish_indexed() {
-    std::vector<IndexedPiece> pieces;
+    Array<IndexedPiece> pieces;
     for (auto& [local, indexed] : pieces_) {
       indexed.local = locals_[local].view();
       pieces.push_back(std::move(indexed));
@@ -148,9 +148,9 @@ class Planner {
   std::span<const std::uint8_t> common_;
   std::uint32_t lanes_;
   std::uint32_t element_bytes_;
-  std::vector<LocalGraph> locals_;
-  std::vector<Pending> pieces_;
-  std::vector<Packing> packings_;
+  Array<LocalGraph> locals_;
+  Array<Pending> pieces_;
+  Array<Packing> packings_;
 };
 
 }  // namespace
@@ -164,7 +164,7 @@ void require_addressable(std::uint64_t particles, std::uint64_t rods) {
            " have 32-bit places");
 }
 
-std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
+Array<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
   using Key = std::tuple<double, double, double>;
   const auto key = [&](std::size_t i) {
     return Key{constants.length2[i], constants.inverse_mass[scene.rods[i].a],
@@ -175,7 +175,7 @@ std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& const
     const Key k = key(i);
     if (std::get<1>(k) == std::get<2>(k)) ++counts[k];
   }
-  std::vector<std::uint8_t> common(scene.rods.size(), 0);
+  Array<std::uint8_t> common(scene.rods.size(), 0);
   if (counts.empty()) return common;
   const Key most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
                      return a.second < b.second;
@@ -184,9 +184,8 @@ std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& const
   return common;
 }
 
-std::vector<Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout,
-                                 std::span<const std::uint8_t> common, std::uint32_t lanes,
-                                 std::uint32_t element_bytes) {
+Array<Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout, std::span<const std::uint8_t> common,
+                           std::uint32_t lanes, std::uint32_t element_bytes) {
   return Planner(sets, layout, common, lanes, element_bytes).make();
 }
 

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "interface/island_sets.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/settings.hpp"
 #include "relax/constants.hpp"
@@ -16,7 +16,7 @@ namespace plumb::detail {
 inline constexpr std::uint32_t longest_segments = 8192;
 
 /// Returns 1 for each rod of the commonest kind with equal masses at both ends.
-std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants);
+Array<std::uint8_t> common_rods(const Scene& scene, const Constants& constants);
 
 /// Refuses what cannot be addressed with 32 bits: the particles and rods of a scene, or of a block with those
 /// that its layout repeats or adds as padding. Throws InputError.
@@ -29,8 +29,8 @@ void require_addressable(std::uint64_t particles, std::uint64_t rods);
 ///   anything else         records, array of structures
 /// A `layout` other than automatic asks every shape for that layout. `common[rod]` marks rods that weigh the
 /// same. Throws InputError if a block would be too large (see require_addressable()).
-std::vector<layouts::Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout,
-                                          std::span<const std::uint8_t> common, std::uint32_t lanes,
-                                          std::uint32_t element_bytes);
+Array<layouts::Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout,
+                                    std::span<const std::uint8_t> common, std::uint32_t lanes,
+                                    std::uint32_t element_bytes);
 
 }  // namespace plumb::detail

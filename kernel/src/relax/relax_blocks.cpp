@@ -36,8 +36,8 @@ void require_representable(const Scene& scene, Precision precision) {
 }
 
 /// Returns the rods that relaxation moves.
-std::vector<std::uint32_t> relaxed_rods(const IslandSets& sets) {
-  std::vector<std::uint32_t> rods;
+Array<std::uint32_t> relaxed_rods(const IslandSets& sets) {
+  Array<std::uint32_t> rods;
   for (const auto& set : sets.sets)
     for (const std::uint32_t island : set)
       rods.insert(rods.end(), sets.islands.edges(island).begin(), sets.islands.edges(island).end());
@@ -69,7 +69,7 @@ std::array<IslandSets, 2> divided(const Scene& scene, const IslandSets& sets) {
                        [&](std::uint32_t rod) { return !scene.rods[rod].law.is_rigid(); });
   };
   for (const auto& set : sets.sets) {
-    std::vector<std::uint32_t> parts[2];
+    Array<std::uint32_t> parts[2];
     for (const std::uint32_t island : set) parts[gives(island) ? 1 : 0].push_back(island);
     for (int i = 0; i < 2; ++i)
       if (!parts[i].empty()) out[i].sets.push_back(std::move(parts[i]));
@@ -79,7 +79,7 @@ std::array<IslandSets, 2> divided(const Scene& scene, const IslandSets& sets) {
 
 template <class T>
 void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_ptr<RelaxRules>& rules,
-                std::vector<MadeSolver>& out) {
+                Array<MadeSolver>& out) {
   for (layouts::Packing& packing :
        plan_blocks(sets, rules->settings.layout, common_rods(scene, rules->constants), layouts::lane_width<T>,
                    sizeof(T))) {
@@ -95,10 +95,10 @@ void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_pt
 }
 
 template <class T>
-std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
-                                    const std::shared_ptr<RelaxRules>& rules) {
+Array<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
+                              const std::shared_ptr<RelaxRules>& rules) {
   require_representable<T>(scene, rules->settings.precision);
-  std::vector<MadeSolver> out;
+  Array<MadeSolver> out;
   for (const IslandSets& part : divided(scene, sets))
     if (!part.sets.empty()) add_blocks<T>(scene, part, rules, out);
   return out;
@@ -106,8 +106,8 @@ std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
 
 }  // namespace
 
-std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets,
-                                           const Settings& settings, StartReport& report) {
+Array<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                     StartReport& report) {
   const auto rules = std::make_shared<RelaxRules>();
   rules->settings = settings;
   rules->verlet = {settings.gradient.value_or(Gradient::new_), scene.drag};

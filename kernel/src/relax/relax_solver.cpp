@@ -26,7 +26,7 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
   for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
     block_.write(block_.x(), slot, scene.particles[particle_of(slot)].position);
   if (packed.coupling == layouts::Coupling::independent && !is_controlled()) pieces_ = packed.positions;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> homes;  // each is a piece and an island in it
+  Array<std::pair<std::uint32_t, std::uint32_t>> homes;  // each is a piece and an island in it
   homes.reserve(packed.slot_vertex.size());
   for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
     homes.push_back({piece_of(slot), packed.slot_island[slot]});

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "interface/island_sets.hpp"
 #include "interface/made_solver.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "relax/block.hpp"
 #include "relax/grabs/block_grabs.hpp"
 #include "relax/relax.hpp"
@@ -20,9 +20,9 @@ struct RelaxRules {
   Verlet verlet;
   Vec3 gravity;  ///< It is in m/s².
   Constants constants;
-  std::vector<Vec3> initial_velocities;  ///< They are in m/s, per particle.
-  std::uint32_t relaxed_rods = 0;        ///< Rods of all blocks share a budget.
-  std::uint32_t shared_rods = 0;         ///< The whole team shares a block with at least so many.
+  Array<Vec3> initial_velocities;  ///< They are in m/s, per particle.
+  std::uint32_t relaxed_rods = 0;  ///< Rods of all blocks share a budget.
+  std::uint32_t shared_rods = 0;   ///< The whole team shares a block with at least so many.
 };
 
 /// A block has islands that relaxation moves by sweeps over its rods. Slots are those of its packing.
@@ -130,11 +130,11 @@ class RelaxSolver final : public Solver {
   /// An accuracy takes this back.
   struct Motion {
     layouts::AlignedBuffer<T> x, last, before, half_kick;
-    std::vector<double> pulls;
+    Array<double> pulls;
     typename Block<T>::SavedRods rods;
     double h = 0, elapsed = 0;
     bool has_moved = false;
-    std::vector<BlockGrab> grabs{};
+    Array<BlockGrab> grabs{};
   };
 
   bool is_controlled() const { return rules_->settings.accuracy.has_value(); }
@@ -168,19 +168,19 @@ class RelaxSolver final : public Solver {
   const simd::Kernels<T>& kernels_;
   Block<T> block_;
   std::uint32_t pieces_ = 1;
-  std::vector<std::uint32_t> islands_, away_;    ///< They count islands per piece, and those moved elsewhere.
-  std::vector<std::pair<Slot, Slot>> slots_of_;  ///< A range holds the slots of each piece.
-  std::vector<std::uint8_t> rests_;              ///< A piece that rests has 1, and no displacements.
-  double size_ = 1;                              ///< It is the RMS length of a rod, in m.
-  double h_ = 0;                                 ///< The last substep took it, in s.
-  double last_h_ = 0;                            ///< The one before took it; 0 before the first.
-  unsigned parts_ = 1;                           ///< The team has so many in this step.
+  Array<std::uint32_t> islands_, away_;    ///< They count islands per piece, and those moved elsewhere.
+  Array<std::pair<Slot, Slot>> slots_of_;  ///< A range holds the slots of each piece.
+  Array<std::uint8_t> rests_;              ///< A piece that rests has 1, and no displacements.
+  double size_ = 1;                        ///< It is the RMS length of a rod, in m.
+  double h_ = 0;                           ///< The last substep took it, in s.
+  double last_h_ = 0;                      ///< The one before took it; 0 before the first.
+  unsigned parts_ = 1;                     ///< The team has so many in this step.
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
   bool lengths_jump_ = false;  ///< some rate has changed since the last step began
   double elapsed_ = 0;         ///< s, of this step, if an accuracy is set
-  std::vector<Vec3> forces_;   ///< They are in N, per slot; it is empty until one is set.
-  std::vector<BlockGrab> grabs_;
-  std::vector<MovingAnchor> anchors_;
+  Array<Vec3> forces_;         ///< They are in N, per slot; it is empty until one is set.
+  Array<BlockGrab> grabs_;
+  Array<MovingAnchor> anchors_;
   // An accuracy needs these:
   Motion saved_[2];
   layouts::AlignedBuffer<T> mark_{};
@@ -192,7 +192,7 @@ extern template class RelaxSolver<double>;
 
 /// Makes the blocks of islands that relaxation moves. Velocities are projected so that none pulls on a rod.
 /// Throws InputError on numbers that the precision is too coarse for.
-std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets,
-                                           const Settings& settings, StartReport& report);
+Array<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                                     StartReport& report);
 
 }  // namespace plumb::detail

@@ -61,7 +61,7 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
   require_size("positions", positions.size(), scene.particles.size());
   Stretch result;
   double sum_of_squares = 0;
-  const std::vector<std::uint8_t> at_drums = detail::rods_at_drums(scene, positions);
+  const Array<std::uint8_t> at_drums = detail::rods_at_drums(scene, positions);
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
     if (!at_drums.empty() && at_drums[i] != 0) continue;
     const double length = rod_length(scene, i);

@@ -11,7 +11,7 @@ namespace {
 /// Returns J, in which each rod has a row. Its unit direction stands in the three columns of b, and the
 /// opposite in those of a. Fixed ends are left out.
 Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const double> inverse_masses) {
-  std::vector<Eigen::Triplet<double>> entries;
+  Array<Eigen::Triplet<double>> entries;
   entries.reserve(6 * scene.rods.size());
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
     const Rod& rod = scene.rods[i];
@@ -32,8 +32,8 @@ Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const
 
 }  // namespace
 
-double project_velocities(const Scene& scene, std::span<const double> inverse_masses,
-                          std::vector<Vec3>& velocities, std::span<const double> wanted) {
+double project_velocities(const Scene& scene, std::span<const double> inverse_masses, Array<Vec3>& velocities,
+                          std::span<const double> wanted) {
   if (wanted.empty() && std::all_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v == Vec3{}; }))
     return 0;
   const Eigen::SparseMatrix<double> rates = stretching_rates(scene, inverse_masses);

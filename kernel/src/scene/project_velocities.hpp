@@ -1,8 +1,8 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -12,7 +12,7 @@ namespace plumb::detail {
 ///
 /// It solves J M^-1 J^T lambda = J v by a sparse Cholesky factorisation, in linear time on trees. Redundant
 /// rods share their impulse. Returns the largest change of a velocity in m/s, or 0 if nothing pulled.
-double project_velocities(const Scene& scene, std::span<const double> inverse_masses,
-                          std::vector<Vec3>& velocities, std::span<const double> wanted = {});
+double project_velocities(const Scene& scene, std::span<const double> inverse_masses, Array<Vec3>& velocities,
+                          std::span<const double> wanted = {});
 
 }  // namespace plumb::detail

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <compare>
 #include <limits>
+#include <vector>
 
 #include "plumb/error.hpp"
 #include "scene/barycentric.hpp"
@@ -81,7 +82,7 @@ void refuse_duplicate_rods(const std::vector<Rod>& rods) {
     std::size_t rod;
     auto operator<=>(const Ends&) const = default;
   };
-  std::vector<Ends> sorted;
+  Array<Ends> sorted;
   sorted.reserve(rods.size());
   for (std::size_t i = 0; i < rods.size(); ++i) {
     const auto [low, high] = std::minmax(rods[i].a, rods[i].b);

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -20,8 +20,8 @@ struct SceneGraph {
   /// Returns a view that is valid while this object lives.
   layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
 
-  std::vector<layouts::Edge> edges;
-  std::vector<std::uint8_t> movable;
+  Array<layouts::Edge> edges;
+  Array<std::uint8_t> movable;
 };
 
 }  // namespace plumb::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumb/joints.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/barycentric.hpp"
 #include "scene/flat/flat_bodies.hpp"
 #include "scene/ground/validate_ground.hpp"
@@ -33,8 +34,8 @@ std::uint64_t pair_of(std::uint32_t a, std::uint32_t b) {
 
 /// Returns the ends of the rods that are wanted, in ascending order.
 template <class IsWanted>
-std::vector<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods, IsWanted&& is_wanted) {
-  std::vector<std::uint64_t> pairs;
+Array<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods, IsWanted&& is_wanted) {
+  Array<std::uint64_t> pairs;
   pairs.reserve(rods.size());
   for (const Rod& rod : rods)
     if (is_wanted(rod)) pairs.push_back(pair_of(rod.a, rod.b));
@@ -42,7 +43,7 @@ std::vector<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods, IsWanted&&
   return pairs;
 }
 
-void require_rods(const Scene& scene, std::size_t i, const std::vector<std::uint64_t>& pairs) {
+void require_rods(const Scene& scene, std::size_t i, const Array<std::uint64_t>& pairs) {
   const auto& ids = scene.bodies[i].particles;
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t k = 0; k < j; ++k) {
@@ -53,7 +54,7 @@ void require_rods(const Scene& scene, std::size_t i, const std::vector<std::uint
 }
 
 /// A flat body has no inertia against some motions of its four particles, and only rigid rods forbid these.
-void require_rigid_rods(const Scene& scene, std::size_t i, const std::vector<std::uint64_t>& giving) {
+void require_rigid_rods(const Scene& scene, std::size_t i, const Array<std::uint64_t>& giving) {
   const auto& ids = scene.bodies[i].particles;
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t k = 0; k < j; ++k)
@@ -217,8 +218,8 @@ void require_solid(std::size_t i, const MassProperties& properties) {
 
 void validate_bodies(const Scene& scene) {
   if (scene.bodies.empty()) return;
-  const std::vector<std::uint64_t> pairs = sorted_pairs(scene.rods, [](const Rod&) { return true; });
-  const std::vector<std::uint64_t> giving =
+  const Array<std::uint64_t> pairs = sorted_pairs(scene.rods, [](const Rod&) { return true; });
+  const Array<std::uint64_t> giving =
       sorted_pairs(scene.rods, [](const Rod& rod) { return !rod.law.is_rigid(); });
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];

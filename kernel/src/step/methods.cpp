@@ -1,6 +1,7 @@
 #include "step/methods.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "relax/relax_solver.hpp"
 #include "scene/refuse.hpp"
@@ -59,8 +60,8 @@ void validate_direct(const Settings& settings) {
     refuse("time order ", settings.time_order, " needs method direct with gradient old");
 }
 
-std::vector<MethodRow>& table() {
-  static std::vector<MethodRow> rows{
+Array<MethodRow>& table() {
+  static Array<MethodRow> rows{
       {.method = Method::automatic,
        .name = to_string(Method::automatic),
        .moves = "everything: picks relax or direct for every island",

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "interface/island_sets.hpp"
 #include "interface/made_solver.hpp"
 #include "plumb/export.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::detail {
@@ -69,8 +69,8 @@ struct MethodRow {
   void (*validate)(const Settings& settings) = nullptr;
   /// Makes the solvers of a scene's islands of particles and rods. It is null for automatic, which chooses
   /// among the others.
-  std::vector<MadeSolver> (*make)(const Scene& scene, const IslandSets& sets, const Settings& settings,
-                                  StartReport& report) = nullptr;
+  Array<MadeSolver> (*make)(const Scene& scene, const IslandSets& sets, const Settings& settings,
+                            StartReport& report) = nullptr;
   /// Makes the solver of an island with bodies or joints, as a scene of its own with its movable particles
   /// first. `particles` are their numbers in the scene. It is null for methods that leave such islands to the
   /// contact solver, or do not move them.

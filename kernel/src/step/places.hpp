@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "interface/place.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "step/rows.hpp"
 
 namespace plumb::detail {
@@ -90,12 +90,12 @@ class Places {
   }
   void find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers);
 
-  Rows<Place> rows_;                  ///< by particle
-  std::vector<std::uint32_t> uses_;   ///< by solver
-  std::uint32_t several_ = 0;         ///< so many particles have several places
-  Rows<Run> runs_;                    ///< by chunk
-  std::vector<std::uint32_t> stale_;  ///< chunks, of which some places were replaced
-  std::vector<Run> found_;            ///< room for those of a chunk
+  Rows<Place> rows_;            ///< by particle
+  Array<std::uint32_t> uses_;   ///< by solver
+  std::uint32_t several_ = 0;   ///< so many particles have several places
+  Rows<Run> runs_;              ///< by chunk
+  Array<std::uint32_t> stale_;  ///< chunks, of which some places were replaced
+  Array<Run> found_;            ///< room for those of a chunk
 };
 
 }  // namespace plumb::detail

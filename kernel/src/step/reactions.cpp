@@ -16,7 +16,7 @@ Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(sc
 }
 
 void Reactions::add_rods(const Scene& scene, MassModel model) {
-  const std::vector<std::uint8_t> reeled = reeled_rods(scene);
+  const Array<std::uint8_t> reeled = reeled_rods(scene);
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     if (!reeled.empty() && reeled[i] != 0) continue;  // what is out pulls as its solver says
     add_rod(scene, model, i, [&](std::uint32_t particle) { return scene.particles[particle].fixed; });

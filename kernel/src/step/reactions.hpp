@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
@@ -138,7 +138,7 @@ class Reactions {
   void add_rods(const Scene& scene, MassModel model);
 
   Vec3 gravity_;
-  std::vector<Held> held_;  ///< by anchor
+  Array<Held> held_;  ///< by anchor
 };
 
 }  // namespace plumb::detail

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -62,7 +63,7 @@ class Rows {
 
  private:
   void close_gaps() {
-    const std::vector<T> before = std::exchange(items_, {});
+    const Array<T> before = std::exchange(items_, {});
     items_.reserve(before.size() - gaps_);
     for (Range& range : ranges_) {
       const auto first = before.begin() + range.begin;
@@ -72,8 +73,8 @@ class Rows {
     gaps_ = 0;
   }
 
-  std::vector<Range> ranges_;  ///< by row
-  std::vector<T> items_;
+  Array<Range> ranges_;  ///< by row
+  Array<T> items_;
   std::size_t gaps_ = 0;  ///< items that are in no range's room
 };
 

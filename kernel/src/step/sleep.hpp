@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "interface/problems.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {
@@ -78,8 +78,8 @@ class Sleep {
  private:
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task);
 
-  std::vector<Task> tasks_, before_;       ///< The latter is room for an exchange.
-  std::vector<std::uint32_t> first_task_;  ///< by solver
+  Array<Task> tasks_, before_;       ///< The latter is room for an exchange.
+  Array<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
   std::uint64_t changes_ = 0;
   double relative_speed_ = 0;  ///< 1/s: a piece's speed of rounding per metre of its size

@@ -77,7 +77,7 @@ Step::Step(const Scene& scene, const Settings& settings)
   compiled_.places.find_runs(compiled_.solvers);
   if (settings.events) {
     events_.grow(scene.particles.size(), scene.rods.size());
-    std::vector<std::uint32_t> all(scene.particles.size());
+    Array<std::uint32_t> all(scene.particles.size());
     std::iota(all.begin(), all.end(), 0u);
     find_heads(all);
   }
@@ -351,9 +351,9 @@ bool Step::is_broken(std::uint32_t rod) const {
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }
 
-std::vector<Problem> Step::problems(double most_strain) const {
-  std::vector<Problem> out;
-  std::vector<Troubles> troubles;
+Array<Problem> Step::problems(double most_strain) const {
+  Array<Problem> out;
+  Array<Troubles> troubles;
   for (const Task& task : sleep_.tasks()) troubles.push_back(task.troubles);
   for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
     const auto places = compiled_.places.of(particle);

@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "step/breaks/breaks.hpp"
 #include "step/breaks/log.hpp"
 #include "step/breaks/numbers.hpp"
@@ -35,7 +35,7 @@ struct Standing {
 };
 
 /// Holds a compiled scene and steps it.
-class Step {
+class Step : public InMemory {
  public:
   /// Compiles the scene, which is valid already, as are the settings. Throws InputError if the settings'
   /// method cannot move it.
@@ -141,7 +141,7 @@ class Step {
   ByKind<std::uint32_t> add(const Scene& scene);
   /// Removes the island of a movable particle, or a fixed one from which nothing hangs. Throws InputError
   /// where an island cannot be removed. Returns the particles that are gone.
-  std::vector<std::uint32_t> remove(std::uint32_t particle);
+  Array<std::uint32_t> remove(std::uint32_t particle);
   /// Does what the first edit would do of the whole scene, and lets there be so many more numbers, which
   /// edits take before new ones.
   void make_room(const ByKind<std::uint32_t>& more);
@@ -164,7 +164,7 @@ class Step {
   double twist(std::uint32_t twist) const;
   void set_twist(std::uint32_t twist, double angle);
 
-  std::vector<Problem> problems(double most_strain) const;
+  Array<Problem> problems(double most_strain) const;
   std::span<const Event> events() const { return events_.all(); }
 
   const Scene& first_scene() const { return origin_->scene; }  ///< with which it began
@@ -185,8 +185,9 @@ class Step {
   std::unique_ptr<Step> restored_past(Archive& archive);
   /// Lists all that steps and programs change, of a world whose past is the same.
   void archive(Archive& archive);
-  const WorldInfo& info() {
+  const WorldInfo& info(std::size_t memory) {
     if (!is_described_) describe();
+    compiled_.info.memory = memory;
     return compiled_.info;
   }
 
@@ -214,7 +215,7 @@ class Step {
   void describe();
   void archive_rules(Archive& archive);
   void begin_budget();
-  void relive(std::vector<Split> splits, Population& population, std::uint32_t seats, std::uint32_t islands);
+  void relive(Array<Split> splits, Population& population, std::uint32_t seats, std::uint32_t islands);
   std::uint32_t contact_islands() const { return compiled_.contact ? compiled_.contact->island_count() : 0; }
   void relive_anew(const Step& from);
   void require_same_pieces(const Step& from) const;
@@ -228,20 +229,20 @@ class Step {
   void carry_grabs(const Step& from);
   void carry_sleep(const Step& from);
   void fit();
-  std::vector<std::uint32_t> broken_now() const;
+  Array<std::uint32_t> broken_now() const;
   void split(Fallen fallen, Split& now);
   void repeat(Split split_then);
   void exchange(const Fallen& fallen, Split& now, Compiled made);
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
   void take_along(const Split& now);
-  void pack(std::vector<std::uint32_t>& parts);
+  void pack(Array<std::uint32_t>& parts);
   std::uint32_t put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
-  std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
-                                           std::span<const std::uint32_t> touched, std::uint32_t& islands);
+  Array<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
+                                     std::span<const std::uint32_t> touched, std::uint32_t& islands);
   void free_seats(std::span<const std::uint32_t> solvers);
-  void seat(std::vector<std::unique_ptr<Solver>> made, std::vector<std::uint32_t>& seats);
+  void seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats);
   std::uint32_t relaxed_rods_of(const Solver& solver) const;
   Settings settings_of_now() const;
   Scene scene_of(const Addition& of) const;
@@ -257,12 +258,12 @@ class Step {
   bool holds_ground(std::uint32_t anchor) const {
     return compiled_.contact && compiled_.contact->holds_ground(anchor);
   }
-  PartEdits list_part_edits(const Edits& edits, std::vector<std::uint32_t>& touched) const;
-  std::vector<std::uint32_t> meeting(const Edits& edits) const;
-  std::vector<ContactSolver::Made> make_parts(const Fallen& fallen) const;
+  PartEdits list_part_edits(const Edits& edits, Array<std::uint32_t>& touched) const;
+  Array<std::uint32_t> meeting(const Edits& edits) const;
+  Array<ContactSolver::Made> make_parts(const Fallen& fallen) const;
   void go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made);
   bool holds_linkage(std::uint32_t particle) const;
-  std::vector<std::uint32_t> bent_with(std::uint32_t particle) const;
+  Array<std::uint32_t> bent_with(std::uint32_t particle) const;
   void forget(const Names& gone);
   void drop_edits(const Names& of);
   void order(const Edits& edits, bool is_ordered);
@@ -285,16 +286,16 @@ class Step {
     Vec3 position, velocity;
   };
   template <class At>
-  void keep_lengths(std::vector<Motion>& motions, At&& at) const;
+  void keep_lengths(Array<Motion>& motions, At&& at) const;
   void require_fit_of_fixed(std::uint32_t particle) const;
   void require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const;
   double misfit_now(std::uint32_t rod, double distance) const;
-  std::vector<std::uint32_t> bodies_at(std::uint32_t particle) const;
+  Array<std::uint32_t> bodies_at(std::uint32_t particle) const;
   void require_mass_without(const Names& going) const;
   void require_mass(std::uint32_t particle, const Names& without = {}) const;
   void require_refixable(std::uint32_t particle, bool is_fixed) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
-  bool meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t>& ends) const;
+  bool meets_as_no_winch(std::uint32_t cord, const Array<std::uint32_t>& ends) const;
   bool is_of_body(std::uint32_t rod) const;
   void require_simple_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
@@ -314,7 +315,7 @@ class Step {
   void begin_grabs();
   void end_grabs();
   void wake_grabbed(std::uint32_t number);
-  std::vector<std::uint32_t> take_grabs(std::span<const std::uint32_t> particles);
+  Array<std::uint32_t> take_grabs(std::span<const std::uint32_t> particles);
   void put_grabs(std::span<const std::uint32_t> numbers);
   void begin_lengths();
   void tell_length(std::uint32_t cord, double length, double rate);
@@ -327,7 +328,7 @@ class Step {
   const Place* place_of(std::uint32_t particle) const;
   bool is_asleep(std::uint32_t particle) const;
   void find_heads(std::span<const std::uint32_t> particles);
-  std::vector<std::uint8_t> were_asleep(std::span<const std::uint32_t> particles) const;
+  Array<std::uint8_t> were_asleep(std::span<const std::uint32_t> particles) const;
   template <class Read, class Rest, class One>
   void read_all(std::span<Vec3> out, Read&& read, Rest&& rest, One&& one) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
@@ -338,8 +339,8 @@ class Step {
   Compiled compiled_;
   Anchors anchors_;
   Lengths lengths_;
-  std::vector<std::uint8_t> reeled_;   ///< by rod: it is on a reel; empty if there are none
-  std::vector<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
+  Array<std::uint8_t> reeled_;   ///< by rod: it is on a reel; empty if there are none
+  Array<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
   Loads loads_;
   Grabs grabs_;
   Reactions reactions_;
@@ -357,7 +358,7 @@ class Step {
   bool has_archive_ = true, is_described_ = true;
   bool has_broken_ = false;  ///< some rod did in the last step
   bool is_to_fit_ = false;   ///< motion came from other settings, and is made to fit rods in the next step
-  std::vector<Seat> seats_;  ///< by solver; free ones have none
+  Array<Seat> seats_;        ///< by solver; free ones have none
   RodJudge rods_;
   Sleep sleep_;
   Events events_;
@@ -365,12 +366,12 @@ class Step {
   TimeRules rules_;
   Budget budget_;
   Zones zones_;
-  std::vector<Stage> stages_;           ///< those that this scene needs
-  double dt_ = 0;                       ///< length of this step, s
-  std::vector<StepReport> reports_;     ///< one for each part of the team
-  std::vector<std::uint32_t> visited_;  ///< solvers with a piece that is awake in this step
-  std::vector<std::uint32_t> active_;   ///< tasks that parts share in this step
-  std::vector<double> last_dt_;         ///< s, by solver: that of all of its tasks, or 0 if they differ
+  Array<Stage> stages_;           ///< those that this scene needs
+  double dt_ = 0;                 ///< length of this step, s
+  Array<StepReport> reports_;     ///< one for each part of the team
+  Array<std::uint32_t> visited_;  ///< solvers with a piece that is awake in this step
+  Array<std::uint32_t> active_;   ///< tasks that parts share in this step
+  Array<double> last_dt_;         ///< s, by solver: that of all of its tasks, or 0 if they differ
 };
 
 }  // namespace plumb::detail

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "relax/plan.hpp"
 #include "scene/reels/reels.hpp"
@@ -29,11 +30,13 @@ void require_length(const char* what, std::uint32_t number, double target) {
 
 }  // namespace
 
-World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
+World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>(settings.memory)) {
   validate(scene);
   Impl::require_sound(settings);
   detail::require_addressable(scene.particles.size(), scene.rods.size());
-  impl_->step = std::make_unique<detail::Step>(scene, settings);
+  if (settings.most_memory) impl_->memory.bound(*settings.most_memory, estimate_memory(scene, settings));
+  impl_->step.make(scene, settings);
+  impl_->memory.end_bound();
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->take(settings);
@@ -42,7 +45,8 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
                                   scene.boxes.size(), scene.ground_capsules.size(), scene.ground_hulls.size(),
                                   scene.meshes.size(), scene.height_fields.size()})
     impl_->of_kind.push_back(static_cast<std::uint32_t>(count));
-  impl_->platforms = impl_->targets = scene.platforms;
+  impl_->platforms.assign(scene.platforms.begin(), scene.platforms.end());
+  impl_->targets = impl_->platforms;
   impl_->bodies = detail::BodyPoses(scene);
   if (!scene.bodies.empty()) {
     impl_->positions.resize(scene.particles.size());
@@ -67,6 +71,7 @@ StepReport World::step(double dt) {
   const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
   impl_->platforms = impl_->targets;
+  if (impl_->log.hears()) impl_->log.tell(report, *this);
   impl_->step->rethrow_executor_failure();
   return report;
 }
@@ -100,6 +105,11 @@ void World::set_budget(std::optional<double> microseconds) {
 
 void World::set_zones(Zones zones) {
   impl_->step->set_zones(std::move(zones));
+}
+
+void World::set_log(Log log) {
+  impl_->log = detail::StepLog(std::move(log));
+  if (impl_->log.hears()) impl_->log.begin(info());
 }
 
 void World::set_force(std::uint32_t particle, Vec3 force) {
@@ -279,7 +289,8 @@ void World::copy_contact_forces(std::span<Vec3> out) const {
 }
 
 std::vector<Problem> World::problems(double most_strain) const {
-  return impl_->step->problems(most_strain);
+  const Array<Problem> found = impl_->step->problems(most_strain);
+  return {found.begin(), found.end()};
 }
 
 std::uint32_t World::particle_count() const {
@@ -302,17 +313,17 @@ void World::copy_velocities(std::span<Vec3> out) const {
 }
 Vec3 World::position(std::uint32_t particle) const {
   impl_->require_known(particle);
-  return impl_->step->position(particle);
+  return (*impl_->step).position(particle);
 }
 Vec3 World::velocity(std::uint32_t particle) const {
   impl_->require_known(particle);
-  return impl_->step->velocity(particle);
+  return (*impl_->step).velocity(particle);
 }
 std::uint64_t World::state_hash() const {
   return impl_->step->state_hash();
 }
 const WorldInfo& World::info() const {
-  return impl_->step->info();
+  return impl_->step->info(impl_->memory.held());
 }
 
 StepReport& StepReport::operator+=(const StepReport& other) {

@@ -1,18 +1,18 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "interface/archive.hpp"
 #include "plumb/executor.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/world.hpp"
 #include "scene/poses/body_poses.hpp"
 #include "scene/refuse.hpp"
+#include "step/memory/world_memory.hpp"
 #include "step/snapshot/fingerprint.hpp"
-#include "step/step.hpp"
+#include "step/state/step_log.hpp"
 
 namespace plumb {
 
@@ -24,17 +24,21 @@ constexpr double farthest_coordinate(Precision precision) {
 
 /// Holds what a world is made of, and refuses what its scene does not have.
 struct PLUMB_HIDDEN World::Impl {
-  std::unique_ptr<detail::Step> step;
-  std::vector<std::uint8_t> fixed;
+  explicit Impl(MemoryResource* from) : memory(from) {}
+
+  detail::WorldMemory memory;  ///< It outlives all else.
+  detail::StepInMemory step{memory};
+  Array<std::uint8_t> fixed;
   Precision precision = Precision::double_;
   std::uint32_t twists = 0;
-  std::vector<std::uint32_t> of_kind;    ///< Shapes and ground with which it began, by ShapeKind.
-  std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
-  std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
+  Array<std::uint32_t> of_kind;    ///< Shapes and ground with which it began, by ShapeKind.
+  Array<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
+  Array<double> chains;            ///< Lengths of the chains of reels, in m.
   detail::BodyPoses bodies;
-  std::vector<Vec3> positions, velocities;  ///< Room to read them for bodies; empty without.
+  Array<Vec3> positions, velocities;  ///< Room to read them for bodies; empty without.
   bool tensions = false, contacts = false, events = false;
   double time = 0;
+  detail::StepLog log;
   detail::Fingerprint fingerprint{};  ///< What snapshots must fit to.
 
   /// Refuses settings that no world takes.

@@ -41,6 +41,7 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
   }
   program_ = program;
   program_context_ = context;
+  memory_ = current_memory();
   has_leader_.store(false, std::memory_order_relaxed);
   finished_.store(false, std::memory_order_relaxed);
   helpers_.store(0, std::memory_order_relaxed);
@@ -62,6 +63,7 @@ void Team::rethrow_failure() {
 
 void Team::task() {
   const FlushDenormals flush;
+  const MemoryScope scope(memory_);
   if (!has_leader_.exchange(true, std::memory_order_acq_rel)) {
     program_(program_context_);
     finished_.store(true, std::memory_order_release);

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "plumb/executor.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -86,6 +87,7 @@ class Team {
   std::exception_ptr failure_;
   bool active_ = false;
   std::unique_ptr<Lane[]> lanes_;
+  Memory* memory_ = nullptr;  ///< that of who leads, for all tasks
   Program program_ = nullptr;
   void* program_context_ = nullptr;
   Job job_ = nullptr;

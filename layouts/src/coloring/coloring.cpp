@@ -40,15 +40,15 @@ class Palette {
 
  private:
   struct Before {
-    const std::vector<std::uint32_t>& uses;
+    const Array<std::uint32_t>& uses;
     bool operator()(std::uint32_t a, std::uint32_t b) const {
       return std::pair(uses[a], a) < std::pair(uses[b], b);
     }
   };
 
-  std::vector<std::uint32_t> uses_;         // per colour
-  std::vector<std::uint32_t> blocked_for_;  // per colour: the last edge it was blocked for
-  std::vector<std::uint32_t> by_use_;
+  Array<std::uint32_t> uses_;         // per colour
+  Array<std::uint32_t> blocked_for_;  // per colour: the last edge it was blocked for
+  Array<std::uint32_t> by_use_;
 };
 
 /// The colours that edges at each movable vertex have so far.
@@ -73,9 +73,9 @@ class TakenColors {
 
  private:
   std::span<const std::uint8_t> movable_;
-  std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> end_;
-  std::vector<std::uint32_t> list_;
+  Array<std::uint32_t> begin_;
+  Array<std::uint32_t> end_;
+  Array<std::uint32_t> list_;
 };
 
 }  // namespace
@@ -111,7 +111,7 @@ bool is_valid(const Graph& graph, const Coloring& coloring) {
     return false;
 
   const Incidence incidence = edges_by_vertex(graph);
-  std::vector<std::uint32_t> last_seen_at(coloring.colors, unset);
+  Array<std::uint32_t> last_seen_at(coloring.colors, unset);
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (graph.movable[v] == 0) continue;
     for (const std::uint32_t e : incidence.edges(v)) {

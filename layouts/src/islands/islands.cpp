@@ -27,12 +27,12 @@ class DisjointSets {
   }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  Array<std::uint32_t> parent_;
 };
 
 struct Rows {
-  std::vector<std::uint32_t> begin;
-  std::vector<std::uint32_t> list;
+  Array<std::uint32_t> begin;
+  Array<std::uint32_t> list;
 };
 
 /// Items 0, 1, ... sorted into `count` rows by `row_of`, ascending within a row; items without a row are left
@@ -45,7 +45,7 @@ Rows sort_into_rows(std::span<const std::uint32_t> row_of, std::uint32_t count) 
   }
   for (std::size_t i = 0; i < count; ++i) rows.begin[i + 1] += rows.begin[i];
   rows.list.resize(rows.begin.back());
-  std::vector<std::uint32_t> next(rows.begin.begin(), rows.begin.end() - 1);
+  Array<std::uint32_t> next(rows.begin.begin(), rows.begin.end() - 1);
   for (std::uint32_t item = 0; item < row_of.size(); ++item) {
     if (row_of[item] != unset) rows.list[next[row_of[item]]++] = item;
   }
@@ -99,7 +99,7 @@ Islands find_islands(const Graph& graph) {
 
   // A root is the smallest vertex of its island, so it is met first and islands are numbered in the order
   // asked.
-  std::vector<std::uint32_t> island_of(graph.vertices, unset);
+  Array<std::uint32_t> island_of(graph.vertices, unset);
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (graph.movable[v] == 0) continue;
@@ -107,7 +107,7 @@ Islands find_islands(const Graph& graph) {
     island_of[v] = root == v ? count++ : island_of[root];
   }
 
-  std::vector<std::uint32_t> island_of_edge(graph.edges.size());
+  Array<std::uint32_t> island_of_edge(graph.edges.size());
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const Edge& edge = graph.edges[e];
     island_of_edge[e] = island_of[graph.movable[edge.a] != 0 ? edge.a : edge.b];
@@ -121,7 +121,7 @@ Islands find_islands(const Graph& graph) {
   islands.vertex_begin.reserve(count + std::size_t{1});
   islands.vertex_begin.push_back(0);
   islands.vertex_list.reserve(graph.vertices);
-  std::vector<std::uint32_t> last_listed_in(graph.vertices, unset);
+  Array<std::uint32_t> last_listed_in(graph.vertices, unset);
   for (std::uint32_t island = 0; island < count; ++island) {
     islands.vertex_list.insert(islands.vertex_list.end(), movable.list.begin() + movable.begin[island],
                                movable.list.begin() + movable.begin[island + 1]);
@@ -145,9 +145,9 @@ LocalGraph local_graph(const Graph& graph, const Islands& islands, std::uint32_t
   return local;
 }
 
-std::vector<std::vector<std::uint32_t>> group_equal_islands(const Graph& graph, const Islands& islands) {
-  std::vector<std::vector<std::uint32_t>> groups;
-  std::vector<LocalGraph> graph_of_group;
+Array<Array<std::uint32_t>> group_equal_islands(const Graph& graph, const Islands& islands) {
+  Array<Array<std::uint32_t>> groups;
+  Array<LocalGraph> graph_of_group;
   std::unordered_multimap<std::uint64_t, std::size_t> groups_by_hash;
   LocalGraph local;
   for (std::uint32_t island = 0; island < islands.count(); ++island) {

@@ -36,8 +36,8 @@ class Neighbors {
   }
 
  private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> list_;
+  Array<std::uint32_t> begin_;
+  Array<std::uint32_t> list_;
 };
 
 /// Breadth-first visits of the vertices that have not been placed yet.
@@ -98,10 +98,10 @@ class Visitor {
 
   std::span<const std::uint8_t> movable_;
   Neighbors neighbors_;
-  std::vector<std::uint32_t> seen_in_;  // per vertex: number of the last visit that met it
+  Array<std::uint32_t> seen_in_;  // per vertex: number of the last visit that met it
   std::uint32_t visit_ = 0;
-  std::vector<std::uint32_t> visited_;
-  std::vector<std::size_t> level_begin_;
+  Array<std::uint32_t> visited_;
+  Array<std::size_t> level_begin_;
 };
 
 /// Leaves the visitor with a visit from a vertex about as far out as its component goes.
@@ -120,8 +120,8 @@ void visit_from_far_end(Visitor& visitor, std::uint32_t start) {
   }
 }
 
-std::vector<std::uint32_t> positions_in(std::span<const std::uint32_t> order) {
-  std::vector<std::uint32_t> position(order.size());
+Array<std::uint32_t> positions_in(std::span<const std::uint32_t> order) {
+  Array<std::uint32_t> position(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
   return position;
 }
@@ -141,7 +141,7 @@ struct Cost {
 };
 
 Cost cost_of(const Graph& graph, std::span<const std::uint32_t> order) {
-  const std::vector<std::uint32_t> position = positions_in(order);
+  const Array<std::uint32_t> position = positions_in(order);
   Cost cost;
   for (const Edge& edge : graph.edges) {
     const std::uint32_t apart = distance(edge, position);
@@ -155,9 +155,9 @@ Cost cost_of(const Graph& graph, std::span<const std::uint32_t> order) {
 
 }  // namespace
 
-std::vector<std::uint32_t> bandwidth_reducing_order(const Graph& graph) {
+Array<std::uint32_t> bandwidth_reducing_order(const Graph& graph) {
   Visitor visitor(graph);
-  std::vector<std::uint32_t> order;
+  Array<std::uint32_t> order;
   order.reserve(graph.vertices);
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (visitor.is_placed(v) || !visitor.can_start(v)) continue;
@@ -170,13 +170,13 @@ std::vector<std::uint32_t> bandwidth_reducing_order(const Graph& graph) {
     if (!visitor.is_placed(v)) order.push_back(v);
   }
 
-  std::vector<std::uint32_t> given(graph.vertices);
+  Array<std::uint32_t> given(graph.vertices);
   std::iota(given.begin(), given.end(), 0u);
   return cost_of(graph, order) < cost_of(graph, given) ? order : given;
 }
 
 std::uint32_t bandwidth(const Graph& graph, std::span<const std::uint32_t> order) {
-  const std::vector<std::uint32_t> position = positions_in(order);
+  const Array<std::uint32_t> position = positions_in(order);
   std::uint32_t widest = 0;
   for (const Edge& edge : graph.edges) widest = std::max(widest, distance(edge, position));
   return widest;

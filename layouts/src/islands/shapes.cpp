@@ -55,10 +55,9 @@ std::optional<ShapeInfo> as_chain(const Graph& graph, const Incidence& incidence
 }
 
 /// Number of edges from `start` to every vertex, through fixed ones too; unset where there is no way.
-std::vector<std::uint32_t> distances_from(const Graph& graph, const Incidence& incidence,
-                                          std::uint32_t start) {
-  std::vector<std::uint32_t> distance(graph.vertices, unset);
-  std::vector<std::uint32_t> queue{start};
+Array<std::uint32_t> distances_from(const Graph& graph, const Incidence& incidence, std::uint32_t start) {
+  Array<std::uint32_t> distance(graph.vertices, unset);
+  Array<std::uint32_t> queue{start};
   queue.reserve(graph.vertices);
   distance[start] = 0;
   for (std::size_t i = 0; i < queue.size(); ++i) {
@@ -92,8 +91,8 @@ std::optional<std::array<std::uint32_t, 4>> corners_of(const Graph& graph, const
 struct Lattice {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<std::uint32_t> x;
-  std::vector<std::uint32_t> y;
+  Array<std::uint32_t> x;
+  Array<std::uint32_t> y;
 };
 
 /// The lattice that the distances from two corners of a side suggest; the edges are still to be checked. In a
@@ -102,7 +101,7 @@ std::optional<Lattice> place_vertices(const Graph& graph, const Incidence& incid
   const auto corners = corners_of(graph, incidence);
   if (!corners) return std::nullopt;
   const std::uint32_t origin = corners->front();
-  const std::vector<std::uint32_t> from_origin = distances_from(graph, incidence, origin);
+  const Array<std::uint32_t> from_origin = distances_from(graph, incidence, origin);
 
   for (const std::uint32_t corner : std::span(*corners).subspan(1)) {
     const std::uint64_t width = std::uint64_t{from_origin[corner]} + 1;
@@ -110,7 +109,7 @@ std::optional<Lattice> place_vertices(const Graph& graph, const Incidence& incid
     const std::uint64_t height = graph.vertices / width;
     if (height < 2 || graph.edges.size() != 2 * width * height - width - height) continue;
     // The corner opposite the origin has failed above: its width leaves no height.
-    const std::vector<std::uint32_t> from_corner = distances_from(graph, incidence, corner);
+    const Array<std::uint32_t> from_corner = distances_from(graph, incidence, corner);
 
     Lattice lattice{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}, {}};
     lattice.x.reserve(graph.vertices);
@@ -147,7 +146,7 @@ struct Trend {
   }
 };
 
-void mirror(std::vector<std::uint32_t>& coordinate, std::uint32_t size) {
+void mirror(Array<std::uint32_t>& coordinate, std::uint32_t size) {
   for (std::uint32_t& c : coordinate) c = size - 1 - c;
 }
 

@@ -44,7 +44,7 @@ std::optional<Tree> find_tree(const Graph& graph) {
   struct Visit {
     std::uint32_t vertex, parent, edge;
   };
-  std::vector<Visit> open{{find_root(graph, incidence), 0, 0}};
+  Array<Visit> open{{find_root(graph, incidence), 0, 0}};
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();

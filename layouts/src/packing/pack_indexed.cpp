@@ -21,7 +21,7 @@ struct IndexedEdge {
 /// one colour may share a fixed vertex, and a kernel writes to both ends of an edge, be it only zero: with
 /// slots of their own, threads never write to the same place.
 std::uint32_t slots(const Graph& local) {
-  std::vector<std::uint32_t> fixed_ends(local.vertices, 0);
+  Array<std::uint32_t> fixed_ends(local.vertices, 0);
   for (const Edge edge : local.edges)
     for (const std::uint32_t end : {edge.a, edge.b})
       if (local.movable[end] == 0) ++fixed_ends[end];
@@ -36,10 +36,10 @@ Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layo
   const Access access = layout == Layout::aos ? Access::records : Access::gather;
   detail::PackingBuilder builder(shape, layout, access, Coupling::whole, lanes);
 
-  std::vector<IndexedEdge> edges;
+  Array<IndexedEdge> edges;
   std::uint32_t slot = 0, colors = 0;
-  std::vector<std::uint32_t> address;
-  std::vector<std::uint8_t> taken;
+  Array<std::uint32_t> address;
+  Array<std::uint8_t> taken;
   for (const IndexedPiece& indexed : pieces) {
     address.assign(indexed.local.vertices, 0);
     for (std::uint32_t rank = 0; rank < indexed.local.vertices; ++rank) {

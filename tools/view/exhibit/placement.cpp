@@ -1,5 +1,7 @@
 #include "view/exhibit/placement.hpp"
 
+#include <span>
+
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/coloring.hpp"
 #include "plumb/layouts/islands.hpp"
@@ -39,7 +41,7 @@ class Placer {
     return {island, islands_.vertices(island), islands_.edges(island)};
   }
 
-  void place(const std::vector<std::uint32_t>& equal, const LocalGraph& local) {
+  void place(std::span<const std::uint32_t> equal, const LocalGraph& local) {
     if (local.edges.empty()) return;
     const ShapeInfo shape = detect_shape(local.view());
     const Coloring coloring = color_by_shape(local.view(), shape);

@@ -95,7 +95,7 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
 
 /// Takes what programs changed of springs and their like, how often they turned, and what broke.
 void ContactSolver::take_laws(const ContactSolver& from) {
-  const auto keep = [&](const std::vector<Owner>& of, const std::vector<Owner>& were, auto&& how) {
+  const auto keep = [&](const Array<Owner>& of, const Array<Owner>& were, auto&& how) {
     for (std::size_t i = 0; i < std::min(of.size(), were.size()); ++i)
       if (of[i].island < ended && were[i].island < ended)
         (states_[of[i].island].*how)(from.states_[were[i].island], were[i].number, of[i].number);

@@ -92,9 +92,9 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
 /// changed of them, turns, and what broke. Homes tell the lengths of rods of plain islands by themselves.
 void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number,
                               LinkageState& to, bool with_plain_lengths) const {
-  using Shares = std::vector<SceneParts::Share>;
+  using Shares = Array<SceneParts::Share>;
   const ByKind<Shares>& shares = parts.shares();
-  const auto for_own = [&](const std::vector<std::uint32_t>& names, const std::vector<Owner>& owners,
+  const auto for_own = [&](const Array<std::uint32_t>& names, const Array<Owner>& owners,
                            const Shares& of_kind, auto&& f) {
     for (std::uint32_t i = 0; i < of_kind.size(); ++i)
       if (of_kind[i].part == number && names[i] < owners.size() && owners[names[i]].island < ended)
@@ -151,7 +151,7 @@ std::size_t ContactSolver::kind_number(const LinkageState& state) const {
 void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedPart& by, const IsPlain& plain,
                             const GoOn& go_on) {
   const SceneParts parts(by.scene);
-  std::vector<std::uint32_t> numbers(parts.count(), ended);
+  Array<std::uint32_t> numbers(parts.count(), ended);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     const Scene& part = parts.part(p);
     const bool may_go_home = plain(parts, p);
@@ -166,9 +166,8 @@ void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedP
   rename(by, parts, numbers);
 }
 
-auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits)
-    -> std::vector<Made> {
-  std::vector<Made> out;
+auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits) -> Array<Made> {
+  Array<Made> out;
   for (const std::uint32_t island : islands) {
     clusters_.wake(island);  // and what lies on it
     NamedPart part = named_part(island);
@@ -185,8 +184,8 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
   return out;
 }
 
-auto ContactSolver::add(const NamedPart& part) -> std::vector<Made> {
-  std::vector<Made> out;
+auto ContactSolver::add(const NamedPart& part) -> Array<Made> {
+  Array<Made> out;
   const auto may_go_home = [](const SceneParts& parts, std::uint32_t p) { return is_plain(parts.part(p)); };
   replace({}, part, may_go_home, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
     for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.names.particles[own]);
@@ -225,7 +224,7 @@ bool stand_alike(const Scene& one, const Scene& other) {
 bool ContactSolver::is_of_kind(std::size_t kind, const Scene& part) const {
   if (relaxes_) return true;
   const Linkage& of = *linkages_[kind];
-  std::vector<Vec3> x;
+  Array<Vec3> x;
   for (const Particle& particle : part.particles) x.push_back(particle.position);
   const bool is_redundant = of.is_redundant_at(x);
   return is_redundant == of.is_redundant() && (!is_redundant || stand_alike(parts_[kind], part));
@@ -233,10 +232,8 @@ bool ContactSolver::is_of_kind(std::size_t kind, const Scene& part) const {
 
 /// Returns a kind that is like a part, if there is one, or makes it.
 std::size_t ContactSolver::kind_like(const Scene& part) {
-  const std::vector<double> numbers = likeness(part);
-  const auto sum_over = [](const std::vector<double>& of) {
-    return sum_of(std::as_bytes(std::span(of)), {});
-  };
+  const Array<double> numbers = likeness(part);
+  const auto sum_over = [](const Array<double>& of) { return sum_of(std::as_bytes(std::span(of)), {}); };
   const std::uint64_t sum = sum_over(numbers);
   while (sums_.size() < parts_.size())  // those that the world began with
     sums_.push_back(sum_over(likeness(parts_[sums_.size()])));
@@ -302,10 +299,10 @@ std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, b
 void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
                            std::span<const std::uint32_t> numbers) {
   for (std::size_t kind = 0; kind < owners_.kinds; ++kind) {
-    const std::vector<std::uint32_t>& names = *part.names.all()[kind];
-    const std::vector<SceneParts::Share>& shares = *parts.shares().all()[kind];
+    const Array<std::uint32_t>& names = *part.names.all()[kind];
+    const Array<SceneParts::Share>& shares = *parts.shares().all()[kind];
     if (shares.empty() || names.empty()) continue;
-    std::vector<Owner>& owners = *owners_.all()[kind];
+    Array<Owner>& owners = *owners_.all()[kind];
     const std::size_t least = *std::max_element(names.begin(), names.end()) + std::size_t{1};
     owners.resize(std::max(owners.size(), least), Owner{ended, 0});
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -26,10 +26,10 @@ void stand_as_in(const Scene& whole, NamedPart& part) {
 
 }  // namespace
 
-auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
-  std::vector<std::uint32_t> homes = of.homes.names.particles;
+auto ContactSolver::make_met(Meeting of) -> Array<Made> {
+  Array<std::uint32_t> homes = of.homes.names.particles;
   std::sort(homes.begin(), homes.end());
-  std::vector<NamedPart> plain, parts;
+  Array<NamedPart> plain, parts;
   std::set<std::uint32_t> visiting;
   Met met;
   for (const std::uint32_t island : of.islands) {
@@ -69,7 +69,7 @@ auto ContactSolver::make_met(Meeting of) -> std::vector<Made> {
     }
   }
   all.end_fixed();
-  std::vector<Made> out;
+  Array<Made> out;
   const auto goes_home = [&](const SceneParts& part_list, std::uint32_t p) {
     return std::binary_search(homes.begin(), homes.end(),
                               all.names.particles[part_list.particles(p).front()]);

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <set>
 #include <span>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -18,7 +19,7 @@ class GivenNumbers {
     ended_.clear();
   }
   /// Returns the numbers that were taken since.
-  const std::vector<std::uint32_t>& made() const { return made_; }
+  const Array<std::uint32_t>& made() const { return made_; }
   /// Takes the next number, of `count` islands that there are or that ended.
   std::uint32_t take(std::uint32_t count) {
     std::uint32_t number = free_.empty() ? count : *free_.begin();
@@ -37,7 +38,7 @@ class GivenNumbers {
 
  private:
   std::set<std::uint32_t> free_;
-  std::vector<std::uint32_t> ended_, given_, made_;  ///< of those given the last comes first
+  Array<std::uint32_t> ended_, given_, made_;  ///< of those given the last comes first
 };
 
 }  // namespace plumb::detail

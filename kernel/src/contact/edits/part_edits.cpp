@@ -10,8 +10,8 @@ namespace plumb::detail {
 namespace {
 
 /// Returns the particles that places have a share of, ascending.
-std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> particles_of(const Capsule& capsule) {
+  Array<std::uint32_t> out;
   for (const Point* const point : {&capsule.a, &capsule.b})
     for (std::size_t k = 0; k < point->particles.size(); ++k)
       if (point->weights[k] != 0) out.push_back(point->particles[k]);
@@ -21,11 +21,11 @@ std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
 }
 
 /// Returns by particle the island that all but shapes hold together, and one that none has for fixed ones.
-std::vector<std::uint32_t> bare_islands(Scene scene) {
+Array<std::uint32_t> bare_islands(Scene scene) {
   scene.capsules.clear();
   scene.hulls.clear();
   const SceneParts parts(scene);
-  std::vector<std::uint32_t> out(scene.particles.size(), parts.count());
+  Array<std::uint32_t> out(scene.particles.size(), parts.count());
   for (std::uint32_t p = 0; p < parts.count(); ++p)
     for (const std::uint32_t particle : parts.particles(p))
       if (!scene.particles[particle].fixed) out[particle] = p;
@@ -33,8 +33,8 @@ std::vector<std::uint32_t> bare_islands(Scene scene) {
 }
 
 /// Returns whether a capsule has movable particles of several islands.
-bool joins_islands(const Scene& scene, const std::vector<std::uint32_t>& islands, const Capsule& capsule) {
-  std::vector<std::uint32_t> of;
+bool joins_islands(const Scene& scene, const Array<std::uint32_t>& islands, const Capsule& capsule) {
+  Array<std::uint32_t> of;
   for (const std::uint32_t particle : particles_of(capsule))
     if (!scene.particles[particle].fixed) of.push_back(islands[particle]);
   return std::any_of(of.begin(), of.end(), [&](std::uint32_t island) { return island != of.front(); });
@@ -49,7 +49,7 @@ void NamedPart::cut(std::uint32_t number) {
   Rod& rod = scene.rods[index];
   const RodMass mass = rod_mass(scene, index, MassModel::consistent);
   const auto [a, b] = std::minmax(rod.a, rod.b);
-  const std::vector<std::uint32_t> ends{a, b};
+  const Array<std::uint32_t> ends{a, b};
   const auto is_along = [&](std::uint32_t one, std::uint32_t two) {
     return std::min(one, two) == ends[0] && std::max(one, two) == ends[1];
   };
@@ -98,7 +98,7 @@ std::string NamedPart::held() const {
     return false;
   };
   const auto turns_any = [&](const Direction& of) { return moves_any(of.from) || moves_any(of.to); };
-  const auto find = [](const char* what, const auto& list, const std::vector<std::uint32_t>& numbers,
+  const auto find = [](const char* what, const auto& list, const Array<std::uint32_t>& numbers,
                        auto&& moves_some) {
     const auto at = std::find_if_not(list.begin(), list.end(), moves_some);
     const auto index = static_cast<std::size_t>(at - list.begin());
@@ -123,8 +123,8 @@ std::string NamedPart::held() const {
 
 void NamedPart::end_torn_capsules(const Scene* before) {
   if (scene.capsules.empty()) return;
-  const std::vector<std::uint32_t> are = bare_islands(scene);
-  const std::vector<std::uint32_t> were = before ? bare_islands(*before) : std::vector<std::uint32_t>{};
+  const Array<std::uint32_t> are = bare_islands(scene);
+  const Array<std::uint32_t> were = before ? bare_islands(*before) : Array<std::uint32_t>{};
   erase_numbered(scene.capsules, names.capsules, [&](const Capsule& capsule) {
     return joins_islands(scene, are, capsule) && !(before && joins_islands(*before, were, capsule));
   });
@@ -134,13 +134,13 @@ NamedPart joined(std::span<const NamedPart> parts) {
   NamedPart out;
   Names& names = out.names;
   for (std::size_t kind = 0; kind < names.kinds; ++kind) {
-    std::vector<std::uint32_t>& all = *names.all()[kind];
+    Array<std::uint32_t>& all = *names.all()[kind];
     for (const NamedPart& part : parts)
       all.insert(all.end(), part.names.all()[kind]->begin(), part.names.all()[kind]->end());
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
   }
-  const auto place_in = [](const std::vector<std::uint32_t>& all, std::uint32_t number) {
+  const auto place_in = [](const Array<std::uint32_t>& all, std::uint32_t number) {
     return static_cast<std::uint32_t>(std::lower_bound(all.begin(), all.end(), number) - all.begin());
   };
   for_lists([&](std::size_t kind, auto& list) { list.resize(names.all()[kind]->size()); }, out.scene);

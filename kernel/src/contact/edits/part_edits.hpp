@@ -6,13 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "scene/lists/by_kind.hpp"
 
 namespace plumb::detail {
 
 /// Erases the entries of a list that `ends` names, and their numbers.
 template <class Item, class Ends>
-void erase_numbered(std::vector<Item>& list, std::vector<std::uint32_t>& numbers, Ends&& ends) {
+void erase_numbered(std::vector<Item>& list, Array<std::uint32_t>& numbers, Ends&& ends) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (ends(list[i])) continue;
@@ -25,10 +26,10 @@ void erase_numbered(std::vector<Item>& list, std::vector<std::uint32_t>& numbers
 
 /// Lists what is done to islands that the contact solver knows. All have the numbers of the whole scene.
 struct PartEdits {
-  std::vector<std::uint32_t> cut{};                         ///< rods
-  std::vector<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
-  std::vector<std::uint32_t> fixed{};                       ///< particles that stand from now on
-  std::vector<std::uint32_t> freed{};                       ///< particles that move from now on
+  Array<std::uint32_t> cut{};                         ///< rods
+  Array<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
+  Array<std::uint32_t> fixed{};                       ///< particles that stand from now on
+  Array<std::uint32_t> freed{};                       ///< particles that move from now on
 
   bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty() || !freed.empty(); }
 };

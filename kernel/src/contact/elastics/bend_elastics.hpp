@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "contact/elastics/elastic.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -18,7 +18,7 @@ struct BendElastics {
   double stiffness, damping;           ///< N m, N m s
   double curvature;                    ///< at rest
   std::uint32_t first = 0, count = 0;  ///< of its elastics
-  std::vector<std::uint32_t> rods{};   ///< numbers among rods that give, without which it does not act
+  Array<std::uint32_t> rods{};         ///< numbers among rods that give, without which it does not act
   /// The part's rods from a to b and from b to c, or none between fixed particles.
   std::array<std::optional<std::uint32_t>, 2> sides{};
 

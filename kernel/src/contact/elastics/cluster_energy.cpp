@@ -70,9 +70,9 @@ void ClusterStepper::take_back() {
 /// Makes room for a substep with gradient new, so that the first one allocates nothing.
 void ClusterStepper::make_room_to_damp(Island& island) {
   const std::uint32_t movable = island.state->linkage->movable();
-  for (std::vector<Vec3>* const each : {&island.at, &island.along}) each->reserve(island.state->x.size());
-  for (std::vector<Vec3>* const each : {&island.bent, &island.lag, &island.rigid}) each->reserve(movable);
-  for (std::vector<double>* const each : {&island.pulls, &island.end_pulls})
+  for (Array<Vec3>* const each : {&island.at, &island.along}) each->reserve(island.state->x.size());
+  for (Array<Vec3>* const each : {&island.bent, &island.lag, &island.rigid}) each->reserve(movable);
+  for (Array<double>* const each : {&island.pulls, &island.end_pulls})
     each->reserve(island.state->linkage->constraints() + island.state->laws.size());
 }
 

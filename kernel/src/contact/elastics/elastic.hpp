@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/combination.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -37,11 +37,11 @@ struct Elastic {
   Vec3 axis{};
   std::uint32_t angle = 0;  ///< its number among the linkage's angles
   std::uint32_t row = 0;
-  std::vector<std::uint32_t> touched{};  ///< movable particles
+  Array<std::uint32_t> touched{};  ///< movable particles
   /// No constraint holds those particles, and none of them shares its mass with another, so that elastics
   /// alone say how this one gives.
   bool is_loose = false;
-  std::vector<std::uint32_t> places{};  ///< of its gradient among the values, three by particle
+  Array<std::uint32_t> places{};  ///< of its gradient among the values, three by particle
 };
 
 /// Holds the derivatives of an elastic's number by its sums: 1, or 1/m for angles.

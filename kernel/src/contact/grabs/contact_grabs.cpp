@@ -61,7 +61,7 @@ void ContactSolver::make_kind(IslandGrabs& of) {
   LinkageState& state = states_[of.island];
   Scene part = parts_[of.kind];
   part.gravity = linkages_[of.kind]->gravity();
-  std::vector<Combination> sums;
+  Array<Combination> sums;
   for (const IslandGrabs::One& each : of.all) {
     Combination& sum = sums.emplace_back(each.at);
     sum.add(static_cast<std::uint32_t>(part.particles.size()), -1);

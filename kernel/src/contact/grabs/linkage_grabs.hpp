@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "contact/linkage/linkage.hpp"
 #include "interface/grab.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -19,7 +19,7 @@ struct IslandGrabs {
   };
   std::uint32_t island = 0;
   std::size_t kind = 0;  ///< the number of the linkage that it has else
-  std::vector<One> all{};
+  Array<One> all{};
   std::unique_ptr<Linkage> linkage{};
 };
 

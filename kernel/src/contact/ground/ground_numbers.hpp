@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/shapes/contact.hpp"
 
@@ -27,7 +27,7 @@ class GroundNumbers {
   std::uint32_t of(ShapeId id) const;
 
  private:
-  std::vector<ShapeId> ids_;
+  Array<ShapeId> ids_;
   std::uint32_t boxes_ = 0, anchored_ = 0, others_ = 0;  ///< where these begin
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "plumb/joints.hpp"
 
@@ -32,7 +33,7 @@ ConvexHull hull_of(const Box& box) {
   const std::vector<Vec3> cube = box_on_body(0, {.half_size = {1, 1, 1}}).points;
   const std::vector<Vec3> points = box_on_body(0, box).points;
   const ConvexHull hull(cube);
-  std::vector<Vec3> corners;
+  Array<Vec3> corners;
   for (const std::uint32_t number : hull.numbers()) corners.push_back(points[number]);
   return hull.moved_to(corners);
 }

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/hulls/touch_hull.hpp"
 #include "contact/shapes/meshes/touch_mesh.hpp"
 #include "contact/shapes/sweep.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/shapes/ground.hpp"
 
@@ -95,7 +95,7 @@ class GroundShape {
   GroundShape(const GroundMesh& mesh, MeshSides sides);
   Convex convex() const;
 
-  std::vector<Vec3> line_;  ///< of a capsule
+  Array<Vec3> line_;  ///< of a capsule
   ConvexHull hull_;
   double radius_ = 0;
   std::optional<TriangleMesh> mesh_;

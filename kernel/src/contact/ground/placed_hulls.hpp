@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage.hpp"
 #include "contact/rows.hpp"
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/sweep.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -63,15 +63,15 @@ class PlacedHulls {
     std::size_t first_corner, first_normal;
     Linkage::HullShape::Vectors particles;
   };
-  static std::span<Vec3> of(std::vector<Vec3>& vectors, const Place& place) {
+  static std::span<Vec3> of(Array<Vec3>& vectors, const Place& place) {
     return std::span(vectors).subspan(place.first_corner, place.shape->corners.size());
   }
   std::span<Vec3> normals_of(const Place& place) {
     return std::span(normals_).subspan(place.first_normal, place.shape->parts.faces());
   }
 
-  std::vector<Place> places_;
-  std::vector<Vec3> corners_, normals_, moves_, room_;
+  Array<Place> places_;
+  Array<Vec3> corners_, normals_, moves_, room_;
 };
 
 /// This is a shape of an island where it is: the line of a capsule, or a hull.

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -112,8 +113,8 @@ class RodLengths {
     of.half_square_rate = share * of.rate / of.made;
   }
 
-  std::vector<Change> changes_;  ///< by rod
-  std::vector<double> squares_;
+  Array<Change> changes_;  ///< by rod
+  Array<double> squares_;
 };
 
 template <class Archive>

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 namespace {
 
 /// Lists the particles of two sums, each once.
-std::vector<std::uint32_t> particles_of(const Combination& a, const Combination& b) {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> particles_of(const Combination& a, const Combination& b) {
+  Array<std::uint32_t> out;
   for (const Combination* const sum : {&a, &b})
     for (std::uint32_t i = 0; i < sum->count; ++i) out.push_back(sum->terms[i].particle);
   std::sort(out.begin(), out.end());
@@ -35,7 +36,7 @@ bool ShapeMaker::keeps_apart(std::uint32_t a, std::uint32_t b) const {
 Linkage::Shape ShapeMaker::make(const Capsule& capsule) const {
   Linkage::Shape shape{combination(capsule.a), combination(capsule.b), capsule.radius, capsule.surface,
                        capsule.filter};
-  const std::vector<std::uint32_t> particles = particles_of(shape.a, shape.b);
+  const Array<std::uint32_t> particles = particles_of(shape.a, shape.b);
   if (particles.size() == 1) return shape;
   const auto [first, end] = bodies_.equal_range(particles.front());
   for (auto at = first; at != end; ++at) {

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -24,7 +24,7 @@ class Flight {
   static constexpr std::size_t most_stages = 7;
   /// Where a stage is, how it moves and how that changes.
   struct Stage {
-    std::vector<Vec3> x, v, a;
+    Array<Vec3> x, v, a;
   };
 
   void brake(const Linkage& linkage, const Stage& stage);
@@ -34,10 +34,10 @@ class Flight {
   bool land(LinkageState& state, Tally& report);
 
   std::array<Stage, most_stages> stages_;
-  std::vector<Vec3> before_x_, before_v_, force_, rigid_, braked_, momentum_;
-  std::vector<simd::Quad> unknowns_;
-  std::vector<double> pulls_;         ///< multipliers
-  std::vector<double> rod_impulses_;  ///< N s, of rods that give in the step, if some may break
+  Array<Vec3> before_x_, before_v_, force_, rigid_, braked_, momentum_;
+  Array<simd::Quad> unknowns_;
+  Array<double> pulls_;         ///< multipliers
+  Array<double> rod_impulses_;  ///< N s, of rods that give in the step, if some may break
   LinkagePulls before_pulls_;
 };
 

@@ -26,8 +26,8 @@ constexpr double redundant = 1e8;
 /// rod alone leaves half.
 constexpr double least_free_mass = 0.1;
 
-std::vector<Vec3> positions_of(const Scene& scene) {
-  std::vector<Vec3> out;
+Array<Vec3> positions_of(const Scene& scene) {
+  Array<Vec3> out;
   for (const Particle& particle : scene.particles) out.push_back(particle.position);
   return out;
 }
@@ -64,7 +64,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
       gravity_(part.gravity),
       drag_(part.drag),
       joint_drag_(part.joint_drag) {
-  const std::vector<Vec3> x = positions_of(part);
+  const Array<Vec3> x = positions_of(part);
   weigh(part, use);
   std::uint32_t row = 3 * movable_;
   add_rods(part, row);
@@ -91,9 +91,9 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
 }
 
 void Linkage::color_rods() {
-  std::vector<layouts::Edge> edges;
+  Array<layouts::Edge> edges;
   for (const RodRow& rod : rods_) edges.push_back({rod.a, rod.b});
-  std::vector<std::uint8_t> movable(particles_, 0);
+  Array<std::uint8_t> movable(particles_, 0);
   std::fill_n(movable.begin(), movable_, 1);
   const layouts::Graph graph{particles_, edges, movable};
   const auto colored = [&](std::size_t i) {
@@ -160,7 +160,7 @@ void Linkage::add_filter(const Filter& filter) {
 }
 
 void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
-  std::map<std::uint32_t, std::vector<std::size_t>> balls_at;
+  std::map<std::uint32_t, Array<std::size_t>> balls_at;
   const ShapeMaker maker(part);
   neighbors_ = Neighbors(part);
   shapes_.reserve(part.capsules.size());
@@ -176,7 +176,7 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
         balls_.push_back(ball);
         continue;
       }
-      std::vector<std::size_t>& there = balls_at[end.terms[0].particle];
+      Array<std::size_t>& there = balls_at[end.terms[0].particle];
       const auto same = std::find_if(there.begin(), there.end(),
                                      [&](std::size_t i) { return balls_[i].filter == ball.filter; });
       if (same == there.end()) {
@@ -227,9 +227,9 @@ void Linkage::weigh(const Scene& part, Use use) {
 }
 
 /// Ground holds a shape at any place between its ends.
-void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
+void Linkage::couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
   for (const Shape& shape : shapes_) {
-    const std::vector<std::uint32_t> movable = movable_of(std::array<Combination, 2>{shape.a, shape.b});
+    const Array<std::uint32_t> movable = movable_of(std::array<Combination, 2>{shape.a, shape.b});
     for (std::size_t i = 0; i < movable.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(3 * movable[i], 3 * movable[j]);
   }
@@ -242,7 +242,7 @@ void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>
 }
 
 void Linkage::plan(Isa isa) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  Array<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto couple = [&](std::uint32_t particle, std::uint32_t row) {
     if (particle >= movable_) return;
     for (std::uint32_t axis = 0; axis < 3; ++axis) pairs.emplace_back(3 * particle + axis, row);
@@ -282,7 +282,7 @@ void Linkage::plan(Isa isa) {
 }
 
 void Linkage::find_loose() {
-  std::vector<std::uint8_t> is_held(particles_, 0);
+  Array<std::uint8_t> is_held(particles_, 0);
   for (const RodRow& rod : rods_) is_held[rod.a] = is_held[rod.b] = 1;
   for (const Coupling& each : couplings_) is_held[each.a] = is_held[each.b] = 1;
   for (const DotRow& each : dots_)
@@ -294,8 +294,8 @@ void Linkage::find_loose() {
                                  [&](std::uint32_t particle) { return is_held[particle] != 0; });
 }
 
-std::vector<double> Linkage::soften(double share, std::span<double> values) const {
-  std::vector<double> pivots(constraints_, 1 / mass_);
+Array<double> Linkage::soften(double share, std::span<double> values) const {
+  Array<double> pivots(constraints_, 1 / mass_);
   const auto add = [&](std::uint32_t row, std::span<const std::uint32_t> places,
                        std::span<const std::uint32_t> particles) {
     double sum = 0;
@@ -313,9 +313,9 @@ std::vector<double> Linkage::soften(double share, std::span<double> values) cons
 }
 
 bool Linkage::is_redundant_at(std::span<const Vec3> x) const {
-  std::vector<simd::Block> matrix(plan_.blocks());
+  Array<simd::Block> matrix(plan_.blocks());
   assemble(x, matrix);
-  const std::vector<double> pivots = soften(tiny, numbers(matrix));
+  const Array<double> pivots = soften(tiny, numbers(matrix));
   plan_.factor(matrix);
   for (std::uint32_t c = 0; c < constraints_; ++c) {
     // The factors keep inverse pivots in the last column of a block.
@@ -329,9 +329,9 @@ bool Linkage::is_redundant_at(std::span<const Vec3> x) const {
 void Linkage::hold_constraints(std::span<const Vec3> x) {
   is_redundant_ = is_redundant_at(x);
   const double share = is_redundant_ ? tiny_if_redundant : tiny;
-  std::vector<simd::Block> matrix(plan_.blocks());
+  Array<simd::Block> matrix(plan_.blocks());
   assemble(x, matrix);
-  const std::vector<double> pivots = soften(share, numbers(matrix));
+  const Array<double> pivots = soften(share, numbers(matrix));
   const std::span<double> fixed = numbers(template_);
   for (std::uint32_t row = 3 * movable_; row < 3 * movable_ + constraints_; ++row)
     fixed[plan_.place(row, row)] = -share * pivots[row - 3 * movable_];

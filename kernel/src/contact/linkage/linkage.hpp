@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "contact/colored_rods.hpp"
 #include "contact/elastics/bend_elastics.hpp"
@@ -15,6 +14,7 @@
 #include "contact/shapes/neighbors.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "reference/multipliers/small_matrices.hpp"
 
@@ -47,7 +47,7 @@ class Linkage {
   struct HullShape : Shape {
     using Vectors = std::array<Vec3, 4>;  ///< of its particles
     std::array<std::uint32_t, 4> particles{};
-    std::vector<std::array<double, 4>> corners{};  ///< weights of its particles
+    Array<std::array<double, 4>> corners{};  ///< weights of its particles
     ConvexParts parts{};
     std::uint32_t number = 0;  ///< among shapes, where hulls follow capsules
     double half_width = 0;     ///< m, of its least width
@@ -251,7 +251,7 @@ class Linkage {
   /// Adds rho Jᵀ c to the right hand side, of such rods and their right hand sides c: M alone then counts.
   void push_flat(std::span<const Vec3> gradients, std::span<double> right) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
-  void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
+  void assemble(std::span<const Vec3> x, Array<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one,
   /// as a share of those of `squares` that are above 1, which all call RodLengths::squares() by.
   double violations(std::span<const Vec3> x, std::span<const double> squares, std::span<double> right) const;
@@ -283,7 +283,7 @@ class Linkage {
   /// energy of the rest, in J. The linkage must have no fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
   /// Lets drag of joints act for `h` (s) on velocities at `x`. Overwrites `rigid`.
-  void brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v, std::vector<Vec3>& rigid) const;
+  void brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v, Array<Vec3>& rigid) const;
   /// The angular momentum about the centre of mass, kg m²/s, of linkages without fixed particles.
   Vec3 angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v) const;
   /// Turns a linkage without fixed particles as a whole, until that is its angular momentum.
@@ -311,13 +311,13 @@ class Linkage {
     Combination u, v;
     double value, over;
     std::uint32_t row;
-    std::vector<std::uint32_t> places;  ///< three by particle, in the order of `touched`
-    std::vector<std::uint32_t> touched;
+    Array<std::uint32_t> places;  ///< three by particle, in the order of `touched`
+    Array<std::uint32_t> touched;
   };
   struct PinRow {
     Combination sum;
     std::array<std::uint32_t, 3> rows;
-    std::vector<std::uint32_t> places;  ///< by term: x, y and z
+    Array<std::uint32_t> places;  ///< by term: x, y and z
   };
   struct Coupling {
     std::uint32_t a, b;  ///< a < b
@@ -331,7 +331,7 @@ class Linkage {
   static constexpr std::uint32_t none = 0xffffffff;
 
   /// Lists the movable particles of some sums, each once.
-  std::vector<std::uint32_t> movable_of(std::span<const Combination> sums) const;
+  Array<std::uint32_t> movable_of(std::span<const Combination> sums) const;
   /// Adds a gradient along one of the sums to the places of the particles in `touched`.
   static void add_gradient(const Combination& sum, Vec3 along, std::span<const std::uint32_t> touched,
                            std::span<const std::uint32_t> places, std::span<double> values);
@@ -354,42 +354,42 @@ class Linkage {
   void add_elastics(const Scene& part);
   void add_elastic(Elastic elastic, const ElasticLaw& law);
   void add_bends(const Scene& part);
-  void couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  void couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
   void color_rods();
   void plan(Isa isa);
   void find_taut_rods(const Scene& part);
   void place_constraints();
   void find_loose();
   /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.
-  std::vector<double> soften(double share, std::span<double> values) const;
+  Array<double> soften(double share, std::span<double> values) const;
   void hold_constraints(std::span<const Vec3> x);
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;
-  std::vector<std::uint32_t> slots_;
-  std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero, and elastics have -1
-  std::vector<RodRow> rods_, giving_rods_;
-  std::vector<DotRow> dots_;
-  std::vector<PinRow> pins_;
-  std::vector<double> masses_;          ///< kg, the diagonal of M
-  std::vector<double> nominal_masses_;  ///< kg, the same, or more where a body is flat
-  std::vector<double> free_masses_;     ///< kg, see free_mass_of()
-  std::vector<Coupling> couplings_;     ///< off the diagonal, between movable particles
-  std::vector<double> weights_;         ///< kg, what gravity pulls on
-  std::vector<Air> airs_;
-  std::vector<Shape> shapes_;
-  std::vector<HullShape> hulls_;
+  Array<std::uint32_t> slots_;
+  Array<simd::Block> template_;  ///< M and the tiny diagonal; J is zero, and elastics have -1
+  Array<RodRow> rods_, giving_rods_;
+  Array<DotRow> dots_;
+  Array<PinRow> pins_;
+  Array<double> masses_;          ///< kg, the diagonal of M
+  Array<double> nominal_masses_;  ///< kg, the same, or more where a body is flat
+  Array<double> free_masses_;     ///< kg, see free_mass_of()
+  Array<Coupling> couplings_;     ///< off the diagonal, between movable particles
+  Array<double> weights_;         ///< kg, what gravity pulls on
+  Array<Air> airs_;
+  Array<Shape> shapes_;
+  Array<HullShape> hulls_;
   Neighbors neighbors_;
-  std::vector<Ball> balls_;
-  std::vector<Filter> filters_;
-  std::vector<Angle> angles_;
-  std::vector<AngleRule> angle_rules_;
-  std::vector<Elastic> elastics_;
-  std::vector<ElasticLaw> elastic_laws_;
-  std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
-  std::vector<BendElastics> bends_;
-  std::vector<TautRod> taut_rods_;
-  std::vector<FlatRod> flat_rods_;
+  Array<Ball> balls_;
+  Array<Filter> filters_;
+  Array<Angle> angles_;
+  Array<AngleRule> angle_rules_;
+  Array<Elastic> elastics_;
+  Array<ElasticLaw> elastic_laws_;
+  Array<ElasticRange> of_angles_, of_springs_, of_torsions_;
+  Array<BendElastics> bends_;
+  Array<TautRod> taut_rods_;
+  Array<FlatRod> flat_rods_;
   ColoredRods colored_;
   Vec3 gravity_{};
   std::size_t first_grab_ = 0, targets_ = 0;

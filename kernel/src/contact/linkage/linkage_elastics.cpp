@@ -19,8 +19,8 @@ Across across_of(const Elastic& elastic, std::span<const Vec3> x) {
 
 }  // namespace
 
-std::vector<std::uint32_t> Linkage::movable_of(std::span<const Combination> sums) const {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> Linkage::movable_of(std::span<const Combination> sums) const {
+  Array<std::uint32_t> out;
   for (const Combination& sum : sums)
     for (std::uint32_t i = 0; i < sum.count; ++i) {
       const std::uint32_t particle = sum.terms[i].particle;
@@ -80,7 +80,7 @@ void Linkage::add_elastics(const Scene& part) {
 
 void Linkage::add_bends(const Scene& part) {
   using Kind = Elastic::Kind;
-  const std::vector<std::array<double, 2>> lengths = bend_lengths(part);
+  const Array<std::array<double, 2>> lengths = bend_lengths(part);
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> giving, rods;
   for (std::uint32_t i = 0; i < part.rods.size() && !part.bends.empty(); ++i)
     rods[std::minmax(part.rods[i].a, part.rods[i].b)] = i;

@@ -26,7 +26,7 @@ inline void add_to(std::span<double> values, const std::uint32_t* places, Vec3 v
 
 }  // namespace
 
-void Linkage::assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const {
+void Linkage::assemble(std::span<const Vec3> x, Array<simd::Block>& matrix) const {
   std::copy(template_.begin(), template_.end(), matrix.begin());
   const std::span<double> values = numbers(matrix);
   for (const RodRow& rod : rods_) {
@@ -338,8 +338,7 @@ double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::spa
   return energy;
 }
 
-void Linkage::brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v,
-                           std::vector<Vec3>& rigid) const {
+void Linkage::brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v, Array<Vec3>& rigid) const {
   if (joint_drag_ == 0 || (movable_ == 1 && !is_grounded())) return;
   const double kept = detail::exp(-h * joint_drag_);
   rigid.assign(movable_, Vec3{});

@@ -133,7 +133,7 @@ void LinkageState::rates(std::span<const Vec3> velocities, Linkage::Range of, st
     right[linkage->plan().position(linkage->row_of_rod(each.rod))] += each.half_square_rate;
 }
 
-void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
+void LinkageState::correct_velocities(std::span<Vec3> velocities, Array<simd::Quad>& unknowns,
                                       std::span<double> multipliers) const {
   const std::span<double> right = numbers(unknowns);
   for (int i = 0; i < velocity_corrections; ++i) {

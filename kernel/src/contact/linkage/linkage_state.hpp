@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "contact/lengths/rod_lengths.hpp"
 #include "contact/linkage/linkage.hpp"
 #include "contact/shapes/bounds.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::detail {
@@ -23,27 +23,27 @@ struct KeptContact {
 
 /// Holds what steps change of an island.
 struct LinkageMotion {
-  std::vector<Vec3> x, v;          ///< m and m/s; fixed particles too
-  std::vector<Vec3> acceleration;  ///< (displacement of the last substep - h v)/h², m/s²
-  std::vector<Vec3> anchors_went;  ///< m/s, in the last substep, by which its velocities are
-  std::vector<KeptContact> kept;
+  Array<Vec3> x, v;          ///< m and m/s; fixed particles too
+  Array<Vec3> acceleration;  ///< (displacement of the last substep - h v)/h², m/s²
+  Array<Vec3> anchors_went;  ///< m/s, in the last substep, by which its velocities are
+  Array<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
-  double elapsed = 0;                   ///< s, since the beginning of the step
-  bool on_ground = false;               ///< its matrix held contacts with ground in the last substep
-  std::uint8_t relax_for = 0;           ///< so many steps, because it could not be solved
-  bool is_relaxed = false;              ///< method auto relaxed its last step
-  double slow_time = 0;                 ///< time for which it has been slow, s
-  std::optional<double> energy{};       ///< J, that free flight keeps, or that elastics may have
-  double most_motion = 0;               ///< J, most of kinetic and elastic energy since that was noted
-  std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
-  LinkagePulls pulls;                   ///< of the last step
+  double elapsed = 0;              ///< s, since the beginning of the step
+  bool on_ground = false;          ///< its matrix held contacts with ground in the last substep
+  std::uint8_t relax_for = 0;      ///< so many steps, because it could not be solved
+  bool is_relaxed = false;         ///< method auto relaxed its last step
+  double slow_time = 0;            ///< time for which it has been slow, s
+  std::optional<double> energy{};  ///< J, that free flight keeps, or that elastics may have
+  double most_motion = 0;          ///< J, most of kinetic and elastic energy since that was noted
+  Array<double> elastic_numbers;   ///< m or rad, of elastics; turns are counted by them
+  LinkagePulls pulls;              ///< of the last step
   /// How stiff taut rods were across themselves in the last two substeps, kg/s². None if there are no such
   /// rods.
-  std::vector<double> stiffness, stiffness_before;
+  Array<double> stiffness, stiffness_before;
   bool knows_tautness = false;  ///< those are of substeps
   /// It has 1 for rods that have broken, of those that give; none if no rod may.
-  std::vector<std::uint8_t> broken;
+  Array<std::uint8_t> broken;
   RodLengths lengths;  ///< where the last substep ended, or the next step starts
 };
 
@@ -56,19 +56,19 @@ struct LinkageState : LinkageMotion {
   explicit LinkageState(std::uint32_t island) : linkage(nullptr), number(island) { asleep = true; }
 
   const Linkage* linkage;
-  std::vector<std::uint32_t> particles;  ///< the scene's numbers
-  std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<ElasticLaw> laws;          ///< of elastics
+  Array<std::uint32_t> particles;  ///< the scene's numbers
+  Array<Vec3> force;               ///< N, constant, on movable particles
+  Array<ElasticLaw> laws;          ///< of elastics
   /// How a pull of one moves each elastic where find_gives() was called last, in 1/kg or 1/(kg m²).
-  std::vector<double> gives;
-  std::vector<Linkage::AngleRule> angle_rules;
-  std::vector<simd::Block> factors;   ///< of the matrix at x
+  Array<double> gives;
+  Array<Linkage::AngleRule> angle_rules;
+  Array<simd::Block> factors;         ///< of the matrix at x
   std::uint32_t number;               ///< the island's number
   Gradient gradient = Gradient::old;  ///< where it is solved
   bool factored = false;
-  bool is_pushed_out = false;           ///< solved contacts took back overlaps in the last substep
-  std::vector<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
-  std::vector<double> wave_inertia;  ///< kg, of taut rods in the substep under way; see find_wave_inertia()
+  bool is_pushed_out = false;     ///< solved contacts took back overlaps in the last substep
+  Array<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
+  Array<double> wave_inertia;     ///< kg, of taut rods in the substep under way; see find_wave_inertia()
 
   LinkageMotion& motion() { return *this; }
   /// Goes on as an island of another kind, which has other grabs alone. Their targets stand at the ends of
@@ -160,7 +160,7 @@ struct LinkageState : LinkageMotion {
   }
   /// Solves with the factors. `unknowns` holds right hand sides, then the solution: multipliers of
   /// constraints, and what particles move by.
-  void solve(std::vector<simd::Quad>& unknowns) const {
+  void solve(Array<simd::Quad>& unknowns) const {
     if (!flat_gradients_.empty()) linkage->push_flat(flat_gradients_, numbers(unknowns));
     linkage->plan().solve(factors, unknowns);
   }
@@ -174,7 +174,7 @@ struct LinkageState : LinkageMotion {
   void rates(std::span<const Vec3> velocities, Linkage::Range of, std::span<double> right) const;
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
   /// adds its multipliers to those that are given, if any.
-  void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
+  void correct_velocities(std::span<Vec3> velocities, Array<simd::Quad>& unknowns,
                           std::span<double> multipliers = {}) const;
   /// Finds the gives of elastics at x, and factorises the matrix there without them. They change as things
   /// turn: a spring over its dead centre has none.
@@ -228,9 +228,9 @@ struct LinkageState : LinkageMotion {
     if (!wave_inertia.empty()) linkage->add_wave_inertia(wave_inertia, factors);
   }
 
-  std::vector<Vec3> flat_gradients_;  ///< 1/m, of rods of flat bodies where the matrix was assembled
-  std::vector<simd::Quad> unknowns_;
-  std::vector<Vec3> push_;
+  Array<Vec3> flat_gradients_;  ///< 1/m, of rods of flat bodies where the matrix was assembled
+  Array<simd::Quad> unknowns_;
+  Array<Vec3> push_;
 };
 
 /// Returns whether capsules of two islands are at one fixed particle, by their numbers. They overlap there as

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <type_traits>
+#include <vector>
 
 #include "contact/platforms/anchored.hpp"
 #include "plumb/joints.hpp"
@@ -31,8 +32,8 @@ struct Bonds {
 
   layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
 
-  std::vector<layouts::Edge> edges;
-  std::vector<std::uint8_t> movable;
+  Array<layouts::Edge> edges;
+  Array<std::uint8_t> movable;
 
  private:
   void name(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) {
@@ -54,7 +55,7 @@ struct Bonds {
     bond_named();
   }
 
-  std::vector<std::uint32_t> named;
+  Array<std::uint32_t> named;
 };
 
 /// Numbers, in order.
@@ -94,7 +95,7 @@ class Likeness {
       add(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to, each.angle,
           each.stiffness, each.damping, each.torque);
     add(part.bends.size());
-    const std::vector<std::array<double, 2>> lengths = bend_lengths(part);
+    const Array<std::array<double, 2>> lengths = bend_lengths(part);
     for (std::size_t i = 0; i < part.bends.size(); ++i) {
       const Bend& each = part.bends[i];
       add(each.a, each.b, each.c, lengths[i][0], lengths[i][1], each.stiffness, each.angle, each.damping);
@@ -105,7 +106,7 @@ class Likeness {
     for (const Capsule& each : part.capsules) add(each.a, each.b, each.radius, each.surface, each.filter);
   }
 
-  const std::vector<double>& numbers() const { return numbers_; }
+  const Array<double>& numbers() const { return numbers_; }
 
  private:
   static Vec3 span(const Scene& part, const Direction& direction) {
@@ -136,7 +137,7 @@ class Likeness {
     (add(rest), ...);
   }
 
-  std::vector<double> numbers_;
+  Array<double> numbers_;
 };
 
 }  // namespace
@@ -191,7 +192,7 @@ void lump_masses(Scene& part) {
   }
 }
 
-std::vector<double> likeness(const Scene& part) {
+Array<double> likeness(const Scene& part) {
   return Likeness(part).numbers();
 }
 
@@ -207,7 +208,7 @@ SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
   particles_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto vertices = islands.vertices(i);
-    std::vector<std::uint32_t>& order = particles_[i];
+    Array<std::uint32_t>& order = particles_[i];
     for (const bool fixed : {false, true})
       for (const std::uint32_t particle : vertices)
         if (scene.particles[particle].fixed == fixed) order.push_back(particle);
@@ -220,8 +221,7 @@ SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
 }
 
 template <class Item>
-void SceneParts::hand(const Item& item, std::uint32_t island, std::vector<Item>& to,
-                      std::vector<Share>& shares) {
+void SceneParts::hand(const Item& item, std::uint32_t island, std::vector<Item>& to, Array<Share>& shares) {
   shares.push_back({island, static_cast<std::uint32_t>(to.size())});
   to.push_back(item);
 }

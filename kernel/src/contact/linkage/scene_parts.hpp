@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "scene/lists/by_kind.hpp"
 
@@ -18,20 +19,20 @@ class SceneParts {
   std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
   const Scene& part(std::uint32_t i) const { return parts_[i]; }
   /// Returns the numbers of an island's particles in the whole scene.
-  const std::vector<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
+  const Array<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
 
   /// Names what a part has of the whole scene: the part's number, and its own number there.
   struct Share {
     std::uint32_t part, number;
   };
   /// Lists where the scene's rods, bends, bodies, joints, springs and shapes are.
-  const ByKind<std::vector<Share>>& shares() const { return shares_; }
+  const ByKind<Array<Share>>& shares() const { return shares_; }
 
  private:
   void hand_out();
   void hand_out_joints();
   template <class Item>
-  static void hand(const Item& item, std::uint32_t island, std::vector<Item>& to, std::vector<Share>& shares);
+  static void hand(const Item& item, std::uint32_t island, std::vector<Item>& to, Array<Share>& shares);
   std::uint32_t movable_of(const Point& point) const;
   template <class... Points>
   std::uint32_t island_of(const Points&... points) const;
@@ -42,10 +43,10 @@ class SceneParts {
   static constexpr std::uint32_t none = 0xffffffff;
 
   const Scene& scene_;
-  std::vector<std::uint32_t> island_of_, local_;  ///< by particle
-  std::vector<Scene> parts_;
-  std::vector<std::vector<std::uint32_t>> particles_;
-  ByKind<std::vector<Share>> shares_;
+  Array<std::uint32_t> island_of_, local_;  ///< by particle
+  Array<Scene> parts_;
+  Array<Array<std::uint32_t>> particles_;
+  ByKind<Array<Share>> shares_;
 };
 
 /// Returns whether anything may touch, now or once it is added, or an island may have more than particles and
@@ -62,6 +63,6 @@ void lump_masses(Scene& part);
 
 /// Returns everything about an island but where it is and its gravity, as numbers. Islands with equal numbers
 /// are alike.
-std::vector<double> likeness(const Scene& part);
+Array<double> likeness(const Scene& part);
 
 }  // namespace plumb::detail

@@ -2,10 +2,10 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -18,9 +18,9 @@ struct Hold {
 
 /// Holds numbers that projections need. They are kept, so that steps allocate nothing.
 struct ProjectionWork {
-  std::vector<Vec3> before, momentum;
-  std::vector<simd::Quad> unknowns;
-  std::vector<Hold> holds;  ///< by which positions are pushed out of ground
+  Array<Vec3> before, momentum;
+  Array<simd::Quad> unknowns;
+  Array<Hold> holds;  ///< by which positions are pushed out of ground
 };
 
 /// An island of particles and rods that has a solver of its own, its home, and visits the contact solver
@@ -29,7 +29,7 @@ class Visitor {
  public:
   Visitor() = default;
   /// `slots` are those of the island's movable particles at home, in the island's order.
-  Visitor(Solver& home, std::uint32_t number, std::vector<Slot> slots)
+  Visitor(Solver& home, std::uint32_t number, Array<Slot> slots)
       : home_(&home), number_(number), slots_(std::move(slots)) {}
 
   bool has_home() const { return home_ != nullptr; }
@@ -66,7 +66,7 @@ class Visitor {
  private:
   Solver* home_ = nullptr;
   std::uint32_t number_ = 0;
-  std::vector<Slot> slots_;
+  Array<Slot> slots_;
   bool is_visiting_ = false;
 };
 

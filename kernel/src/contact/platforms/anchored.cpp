@@ -32,7 +32,7 @@ Anchored::Anchored(const Scene& scene) {
   for (const std::uint32_t anchor : anchors_) x_[anchor] = scene.particles[anchor].position;
 }
 
-void Anchored::find_positions(double t, std::vector<Vec3>& x) const {
+void Anchored::find_positions(double t, Array<Vec3>& x) const {
   x.resize(x_.size());
   for (const std::uint32_t anchor : anchors_) x[anchor] = x_[anchor] + t * v_[anchor];
 }

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage.hpp"
 #include "contact/platforms/ground_rate.hpp"
 #include "contact/shapes/touch.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -27,7 +27,7 @@ class Anchored {
   /// Returns where particles are (m) at the step's start. Those of anchors() are known.
   std::span<const Vec3> positions() const { return x_; }
   /// Finds where anchors are `t` (s) later.
-  void find_positions(double t, std::vector<Vec3>& x) const;
+  void find_positions(double t, Array<Vec3>& x) const;
   /// Returns a shape's middle with anchors at `x`, and how the shape moves there.
   Segment segment(std::size_t shape, std::span<const Vec3> x) const;
   GroundRate rate(std::size_t shape, std::span<const Vec3> x) const;
@@ -40,9 +40,9 @@ class Anchored {
   bool any_moves() const;
 
  private:
-  std::vector<Linkage::Shape> shapes_;
-  std::vector<std::uint32_t> anchors_;
-  std::vector<Vec3> x_, v_;  ///< by particle, m and m/s; none if there are no shapes
+  Array<Linkage::Shape> shapes_;
+  Array<std::uint32_t> anchors_;
+  Array<Vec3> x_, v_;  ///< by particle, m and m/s; none if there are no shapes
 };
 
 /// Returns whether all particles that hold a capsule are fixed.

@@ -3,8 +3,7 @@
 namespace plumb::detail {
 
 template <class Ground>
-void GroundNow::pose(std::span<const Ground> ground, std::vector<Ground>& there,
-                     std::vector<GroundRate>& rates) const {
+void GroundNow::pose(std::span<const Ground> ground, Array<Ground>& there, Array<GroundRate>& rates) const {
   there.assign(ground.begin(), ground.end());
   rates.resize(ground.size());
   for (std::size_t i = 0; i < ground.size(); ++i) {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "contact/surroundings.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -25,22 +25,22 @@ class GroundNow {
   const GroundRate* rate_of_segment(std::size_t i) const { return moving(segment_rates_, i); }
 
  private:
-  static const GroundRate* moving(const std::vector<GroundRate>& rates, std::size_t i) {
+  static const GroundRate* moving(const Array<GroundRate>& rates, std::size_t i) {
     return i < rates.size() && rates[i].moves() ? &rates[i] : nullptr;
   }
   template <class Ground>
-  void pose(std::span<const Ground> ground, std::vector<Ground>& there, std::vector<GroundRate>& rates) const;
+  void pose(std::span<const Ground> ground, Array<Ground>& there, Array<GroundRate>& rates) const;
 
   std::span<const Plane> planes_;
   std::span<const Surroundings::Solid> boxes_;
   std::span<const Linkage::Shape> shapes_;
   // Of scenes where some ground may move:
-  std::vector<PlatformPose> poses_;
-  std::vector<Plane> moved_planes_;
-  std::vector<Surroundings::Solid> moved_boxes_;
-  std::vector<Segment> segments_;
-  std::vector<Vec3> anchors_;  ///< m, by particle
-  std::vector<GroundRate> plane_rates_, box_rates_, segment_rates_;
+  Array<PlatformPose> poses_;
+  Array<Plane> moved_planes_;
+  Array<Surroundings::Solid> moved_boxes_;
+  Array<Segment> segments_;
+  Array<Vec3> anchors_;  ///< m, by particle
+  Array<GroundRate> plane_rates_, box_rates_, segment_rates_;
 };
 
 /// Returns the greatest speed (m/s) of ground within a box, but for its belts, in the next `dt` (s). That of

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "contact/platforms/ground_rate.hpp"
 #include "contact/shapes/touch.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -61,7 +61,7 @@ class Platforms {
     Pose home, now, target;
     Vec3 velocity{}, spin{};  ///< m/s and 1/s, in this step
   };
-  std::vector<Path> paths_;
+  Array<Path> paths_;
 };
 
 template <class Archive>

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/pulls/touched_pairs.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/shapes/contact.hpp"
 
 namespace plumb::detail {
@@ -41,9 +41,9 @@ class ContactList {
     std::uint32_t index;
   };
 
-  std::vector<TouchedPair> added_;  ///< on the shapes a
-  std::vector<Key> keys_;
-  std::vector<Contact> contacts_, last_;
+  Array<TouchedPair> added_;  ///< on the shapes a
+  Array<Key> keys_;
+  Array<Contact> contacts_, last_;
   bool is_steady_ = true;
 };
 

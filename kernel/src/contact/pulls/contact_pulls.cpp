@@ -9,8 +9,8 @@ namespace plumb::detail {
 void ContactSolver::name(const SceneParts& parts, std::span<const std::uint32_t> number_of) {
   names_.resize(states_.size());
   for (std::size_t kind = 0; kind < owners_.kinds; ++kind) {
-    const std::vector<SceneParts::Share>& shares = *parts.shares().all()[kind];
-    std::vector<Owner>& owners = *owners_.all()[kind];
+    const Array<SceneParts::Share>& shares = *parts.shares().all()[kind];
+    Array<Owner>& owners = *owners_.all()[kind];
     for (std::uint32_t i = 0; i < shares.size(); ++i) {
       const auto [part, number] = shares[i];
       const std::uint32_t island = part < number_of.size() ? number_of[part] : no_island;

@@ -10,21 +10,21 @@
 namespace plumb::detail {
 
 void LinkagePulls::begin_step() {
-  for (std::vector<double>* const of : {&rods, &angles, &elastics}) std::fill(of->begin(), of->end(), 0.0);
-  for (std::vector<Vec3>* const of : {&pins, &along_first, &shapes, &fixed})
+  for (Array<double>* const of : {&rods, &angles, &elastics}) std::fill(of->begin(), of->end(), 0.0);
+  for (Array<Vec3>* const of : {&pins, &along_first, &shapes, &fixed})
     std::fill(of->begin(), of->end(), Vec3{});
   touched.begin_step();
 }
 
 LinkagePulls Linkage::make_pulls() const {
   return {.counts = true,
-          .rods = std::vector<double>(rods()),
-          .pins = std::vector<Vec3>(pins_.size()),
-          .angles = std::vector<double>(angles_.size()),
-          .elastics = std::vector<double>(elastics_.size()),
-          .along_first = std::vector<Vec3>(elastics_.size()),
-          .shapes = std::vector<Vec3>(shapes_.size() + hulls_.size()),
-          .fixed = std::vector<Vec3>(particles_ - movable_),
+          .rods = Array<double>(rods()),
+          .pins = Array<Vec3>(pins_.size()),
+          .angles = Array<double>(angles_.size()),
+          .elastics = Array<double>(elastics_.size()),
+          .along_first = Array<Vec3>(elastics_.size()),
+          .shapes = Array<Vec3>(shapes_.size() + hulls_.size()),
+          .fixed = Array<Vec3>(particles_ - movable_),
           .touched = {}};
 }
 

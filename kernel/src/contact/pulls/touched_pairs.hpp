@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
@@ -54,7 +54,7 @@ class TouchedPairs {
     archive(pairs);
   }
   /// Returns the pairs of the last step, once they are merged.
-  const std::vector<TouchedPair>& pairs() const { return pairs_; }
+  const Array<TouchedPair>& pairs() const { return pairs_; }
 
  private:
   static constexpr std::size_t least = 64;
@@ -64,8 +64,8 @@ class TouchedPairs {
     std::uint32_t order, index;
   };
 
-  std::vector<TouchedPair> pairs_, merged_;  ///< the latter while they are merged
-  std::vector<Key> keys_;                    ///< likewise
+  Array<TouchedPair> pairs_, merged_;  ///< the latter while they are merged
+  Array<Key> keys_;                    ///< likewise
   std::uint32_t added_ = 0;
   std::size_t few_ = least;  ///< at so many they are merged
 };

@@ -268,7 +268,7 @@ void Crowd<T>::count_pulls(double h, Gradient gradient, std::span<LinkageState* 
 
 template <class T>
 double Crowd<T>::add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
-                           std::vector<Term>& to) const {
+                           Array<Term>& to) const {
   double moves = 0;
   for (std::uint32_t k = 0; k < sum.count; ++k) {
     const Term each = term(linkage, island, sum.terms[k]);

@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
 #include "contact/relaxed/visits/sweep_momentum.hpp"
 #include "contact/shapes/bounds.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
 
@@ -89,8 +89,7 @@ class Crowd {
   double most_moved() const;
   /// Lists places of particles, ascending, that are displaced by more than `least` (m) and start in a box
   /// from the crowd's origin. The list lies in `room`.
-  std::span<const std::uint32_t> list_fast(const Bounds& box, double least,
-                                           std::vector<std::uint32_t>& room) const;
+  std::span<const std::uint32_t> list_fast(const Bounds& box, double least, Array<std::uint32_t>& room) const;
   /// Counts how often particles were laid out. What refers to places is good as long as it is the same.
   std::uint32_t layout() const { return layout_; }
   /// @{
@@ -110,7 +109,7 @@ class Crowd {
   bool has_loops() const { return has_loops_; }
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.
   double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
-                   std::vector<Term>& to) const;
+                   Array<Term>& to) const;
   /// Returns a term of such a sum.
   Term term(const Linkage& linkage, std::uint32_t island, const Combination::Term& of) const {
     const double inverse = of.particle < linkage.movable() ? inverse_mass(island, of.particle) : 0;
@@ -183,31 +182,31 @@ class Crowd {
   simd::BlockView<T> view();
 
   const simd::Kernels<T>* all_kernels_;
-  const simd::CrowdKernels<T>* kernels_;       ///< as particles are laid out
-  std::vector<const LinkageState*> laid_out_;  ///< the islands that rods were laid out for
-  bool is_stale_ = false;                      ///< an island was stopped since
+  const simd::CrowdKernels<T>* kernels_;  ///< as particles are laid out
+  Array<const LinkageState*> laid_out_;   ///< the islands that rods were laid out for
+  bool is_stale_ = false;                 ///< an island was stopped since
   bool changes_lengths_ = false;
   /// An island's rod that has changed its length.
   struct ChangedRod {
     std::uint32_t island, number;
     friend bool operator==(const ChangedRod&, const ChangedRod&) = default;
   };
-  std::vector<ChangedRod> changed_;           ///< when rods were weighed
-  std::vector<std::uint32_t> changed_lanes_;  ///< theirs, in order
-  std::vector<std::uint8_t> moves_;           ///< by island: it is awake and not frozen
+  Array<ChangedRod> changed_;           ///< when rods were weighed
+  Array<std::uint32_t> changed_lanes_;  ///< theirs, in order
+  Array<std::uint8_t> moves_;           ///< by island: it is awake and not frozen
   CrowdPlaces places_;
-  std::uint32_t stride_ = 1;            ///< of components
-  std::vector<double> inverse_mass_;    ///< 1/kg, by particle; 0 for what does not move
-  std::vector<double> mass_;            ///< kg, by number; 0 for what does not move
-  std::vector<std::uint32_t> anchors_;  ///< places of what is fixed
-  std::vector<Vec3> carried_;           ///< m/s, how fast each of them is carried
+  std::uint32_t stride_ = 1;      ///< of components
+  Array<double> inverse_mass_;    ///< 1/kg, by particle; 0 for what does not move
+  Array<double> mass_;            ///< kg, by number; 0 for what does not move
+  Array<std::uint32_t> anchors_;  ///< places of what is fixed
+  Array<Vec3> carried_;           ///< m/s, how fast each of them is carried
   std::uint32_t layout_ = 0;
   Vec3 origin_;
   bool has_loops_ = false;
   layouts::AlignedBuffer<T> x_, p_, v_, a_;  ///< in m, m, m/s and m/s²
   layouts::AlignedBuffer<T> rod_, weight_, moved_;
-  std::vector<double> mass_of_move_;  ///< kg, by lane: makes impulses of moves
-  std::vector<simd::Range> ranges_;   ///< of rods, colour after colour
+  Array<double> mass_of_move_;  ///< kg, by lane: makes impulses of moves
+  Array<simd::Range> ranges_;   ///< of rods, colour after colour
   T uniform_length2_ = 1, uniform_share_ = 0, uniform_inverse_ = 1;
 };
 

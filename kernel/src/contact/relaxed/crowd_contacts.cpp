@@ -16,7 +16,7 @@ constexpr std::uint32_t batches_per_thread = 4;
 
 /// Appends terms, multiplied by a sign. Returns what a push of one on their sum moves it by, 1/kg.
 template <class Term>
-double add_terms(std::span<const Term> terms, double sign, std::vector<Term>& to) {
+double add_terms(std::span<const Term> terms, double sign, Array<Term>& to) {
   double moves = 0;
   for (const Term& each : terms) {
     to.push_back({each.at, sign * each.weight, sign * each.move});

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
@@ -15,6 +14,7 @@
 #include "contact/relaxed/visits/contact_vectors.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
 #include "threads/team.hpp"
@@ -88,7 +88,7 @@ class CrowdContacts {
   /// Does so, and returns the largest change of a place, m.
   double measured_sweep(Crowd<T>& crowd, Team* team);
   /// Names all pushes that sweeps change. Returns false if some are visited alone, which are not among them.
-  bool list_swept(std::vector<SweptNumbers<T>>& to);
+  bool list_swept(Array<SweptNumbers<T>>& to);
   /// Ends sweeps, after which pushes are known.
   void end_sweeps() { vectors_.write_back(); }
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
@@ -197,15 +197,15 @@ class CrowdContacts {
 
   /// Contacts that one thread has found, with all that their numbers refer to.
   struct Batch {
-    std::vector<Term> terms{};
-    std::vector<Contact> contacts{};
-    std::vector<Contact> left_out{};  ///< those that did not seem to come about
-    std::vector<Rare> rares{};
-    std::vector<TurnTerm> turn_terms{};
-    std::vector<Turning> turnings{};
-    std::vector<std::uint32_t> woken{};  ///< islands
-    std::size_t next_kept = 0;           ///< where the next contact is likely to be kept
-    bool is_struck = false;              ///< a capsule meets another one that it would pass
+    Array<Term> terms{};
+    Array<Contact> contacts{};
+    Array<Contact> left_out{};  ///< those that did not seem to come about
+    Array<Rare> rares{};
+    Array<TurnTerm> turn_terms{};
+    Array<Turning> turnings{};
+    Array<std::uint32_t> woken{};  ///< islands
+    std::size_t next_kept = 0;     ///< where the next contact is likely to be kept
+    bool is_struck = false;        ///< a capsule meets another one that it would pass
     void clear() {
       terms.clear();
       contacts.clear();
@@ -369,30 +369,30 @@ class CrowdContacts {
   CrowdEnds<T> ends_;
   CrowdLines<T> lines_;
   ContactVectors<T> vectors_;
-  std::vector<Place> alone_;  ///< what is not in vectors, in the order of contacts
+  Array<Place> alone_;  ///< what is not in vectors, in the order of contacts
   PlacedHulls placed_hulls_;
-  std::vector<PlacedLine> placed_lines_;    ///< by body
-  std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
-  bool is_fast_ = false;                    ///< some line is, or was in this substep
-  bool may_be_fast_ = false;                ///< some may be where particles are now
-  double moved_ = -1;                       ///< m, how far particles then go at most, if that is known
-  double way_ = 0;                          ///< m, how far they went since find()
-  double longest_ = -1;                     ///< m, of lines when it was measured in the step, if it was
-  bool meets_ = false;                      ///< some may meet, and lines_ knows them
-  std::vector<std::uint32_t> fast_places_;  ///< room for those of particles near ground
-  std::vector<std::uint64_t> marks_;        ///< a bit for each line
-  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
-  std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
-  std::vector<std::uint32_t> near_ground_;
+  Array<PlacedLine> placed_lines_;    ///< by body
+  Array<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
+  bool is_fast_ = false;              ///< some line is, or was in this substep
+  bool may_be_fast_ = false;          ///< some may be where particles are now
+  double moved_ = -1;                 ///< m, how far particles then go at most, if that is known
+  double way_ = 0;                    ///< m, how far they went since find()
+  double longest_ = -1;               ///< m, of lines when it was measured in the step, if it was
+  bool meets_ = false;                ///< some may meet, and lines_ knows them
+  Array<std::uint32_t> fast_places_;  ///< room for those of particles near ground
+  Array<std::uint64_t> marks_;        ///< a bit for each line
+  Array<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
+  Array<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
+  Array<std::uint32_t> near_ground_;
   KeptTable kept_;
-  std::vector<Batch> batches_;
+  Array<Batch> batches_;
   // Heaps are islands that contacts outside of vectors join. They share nothing, so that each may have a
   // thread of its own.
-  std::vector<std::uint32_t> heap_of_;      ///< by island: one of its heap, or itself
-  std::vector<std::uint32_t> heap_ends_;    ///< where each heap ends in in_heaps_
-  std::vector<std::uint32_t> heap_number_;  ///< by island that stands for a heap
-  std::vector<Place> in_heaps_;             ///< heap by heap, in the order of contacts
-  std::vector<double> changes_;             ///< m, by heap: the largest of a sweep
+  Array<std::uint32_t> heap_of_;      ///< by island: one of its heap, or itself
+  Array<std::uint32_t> heap_ends_;    ///< where each heap ends in in_heaps_
+  Array<std::uint32_t> heap_number_;  ///< by island that stands for a heap
+  Array<Place> in_heaps_;             ///< heap by heap, in the order of contacts
+  Array<double> changes_;             ///< m, by heap: the largest of a sweep
 };
 
 }  // namespace plumb::detail

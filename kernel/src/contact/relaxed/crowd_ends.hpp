@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
 
@@ -125,16 +125,16 @@ class CrowdEnds {
   const simd::Kernels<T>* all_kernels_;
   const simd::EndKernels<T>* kernels_;
   bool in_rows_ = false;
-  std::vector<Group> groups_;
-  std::vector<End> ends_;                     ///< by lane
-  std::vector<std::uint32_t> at_;             ///< see EndView
-  std::vector<std::uint32_t> vector_of_row_;  ///< in the last group, or none
-  std::size_t filled_ = 0;                    ///< lanes of records that have an end or never will
+  Array<Group> groups_;
+  Array<End> ends_;                     ///< by lane
+  Array<std::uint32_t> at_;             ///< see EndView
+  Array<std::uint32_t> vector_of_row_;  ///< in the last group, or none
+  std::size_t filled_ = 0;              ///< lanes of records that have an end or never will
   layouts::AlignedBuffer<T> fields_;
-  std::vector<std::uint8_t> touched_;    ///< by vector
-  std::vector<std::uint32_t> touching_;  ///< vectors with an end that touches, ascending
-  std::vector<double> restitution_;      ///< by lane
-  bool sees_bounces_ = false;            ///< some may bounce, or how fast they approach counts
+  Array<std::uint8_t> touched_;    ///< by vector
+  Array<std::uint32_t> touching_;  ///< vectors with an end that touches, ascending
+  Array<double> restitution_;      ///< by lane
+  bool sees_bounces_ = false;      ///< some may bounce, or how fast they approach counts
   KeptTable kept_;
 };
 

@@ -291,7 +291,7 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
 template <class T>
 template <class F>
 void CrowdContacts<T>::for_ground_near(const Substep& in, const MovingSegment& moving, F&& f) {
-  const std::vector<GroundShape>& shapes = in.surroundings.shapes;
+  const Array<GroundShape>& shapes = in.surroundings.shapes;
   if (shapes.size() <= few_shapes) {
     for (std::uint32_t k = 0; k < shapes.size(); ++k)
       if (!passes_by(moving, shapes[k]) && shapes[k].bounds().overlaps(bounds_of(moving))) f(k, shapes[k]);

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/relaxed/crowd.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -97,14 +97,14 @@ class CrowdJoints {
     return std::span(sums_terms_).subspan(range.first, range.end - range.first);
   }
 
-  std::vector<Term> terms_;
-  std::vector<SumsTerm> sums_terms_;
-  std::vector<BallJoint> balls_;
-  std::vector<Dot> dots_;
-  std::vector<Distance> distances_;
-  std::vector<Source> sources_;
-  std::vector<Row> rows_;                ///< of this substep
-  std::vector<const ElasticLaw*> laws_;  ///< by distance, of this substep
+  Array<Term> terms_;
+  Array<SumsTerm> sums_terms_;
+  Array<BallJoint> balls_;
+  Array<Dot> dots_;
+  Array<Distance> distances_;
+  Array<Source> sources_;
+  Array<Row> rows_;                ///< of this substep
+  Array<const ElasticLaw*> laws_;  ///< by distance, of this substep
   bool has_elastics_ = false;
   double h_ = 0;
 };

@@ -73,7 +73,7 @@ auto Crowd<T>::common_motion() const -> CommonMotion {
 
 template <class T>
 std::span<const std::uint32_t> Crowd<T>::list_fast(const Bounds& box, double least,
-                                                   std::vector<std::uint32_t>& room) const {
+                                                   Array<std::uint32_t>& room) const {
   const auto three = [](Vec3 v) {
     return std::array{static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
   };
@@ -114,7 +114,7 @@ template void Crowd<float>::predict(double, Gradient);
 template void Crowd<float>::advance(double, Gradient);
 template double Crowd<float>::most_moved() const;
 template std::span<const std::uint32_t> Crowd<float>::list_fast(const Bounds&, double,
-                                                                std::vector<std::uint32_t>&) const;
+                                                                Array<std::uint32_t>&) const;
 template void Crowd<float>::slow(double, Vec3);
 template Crowd<float>::CommonMotion Crowd<float>::common_motion() const;
 template bool Crowd<float>::is_finite() const;
@@ -123,7 +123,7 @@ template void Crowd<double>::predict(double, Gradient);
 template void Crowd<double>::advance(double, Gradient);
 template double Crowd<double>::most_moved() const;
 template std::span<const std::uint32_t> Crowd<double>::list_fast(const Bounds&, double,
-                                                                 std::vector<std::uint32_t>&) const;
+                                                                 Array<std::uint32_t>&) const;
 template void Crowd<double>::slow(double, Vec3);
 template Crowd<double>::CommonMotion Crowd<double>::common_motion() const;
 template bool Crowd<double>::is_finite() const;

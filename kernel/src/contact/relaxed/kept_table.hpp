@@ -3,9 +3,9 @@
 #include <bit>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -53,7 +53,7 @@ class KeptTable {
     return static_cast<std::size_t>(mixed >> 7) & (slots_.size() - 1);
   }
 
-  std::vector<const KeptContact*> slots_;  ///< a power of two, at least half of them null
+  Array<const KeptContact*> slots_;  ///< a power of two, at least half of them null
 };
 
 }  // namespace plumb::detail

@@ -81,9 +81,9 @@ class RelaxedStepper final : public ClusterMover {
   CrowdContacts<T> contacts_;
   CrowdJoints<T> joints_;
   CrowdBlows<T> blows_;
-  std::vector<Vec3> rigid_;
+  Array<Vec3> rigid_;
   SweepMomentum<T> momentum_;
-  std::vector<SweptNumbers<T>> swept_;
+  Array<SweptNumbers<T>> swept_;
   std::uint32_t most_sweeps_ = 1;  ///< of a substep
   double recovery_rate_ = 0;
   Team* team_ = nullptr;      ///< that may help

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/shapes/bounds.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -98,8 +98,8 @@ class BoundsTree {
 
   void build(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
 
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> items_;
+  Array<Node> nodes_;
+  Array<std::uint32_t> items_;
 };
 
 }  // namespace plumb::detail

@@ -39,7 +39,7 @@ class Graph {
   template <class F>
   void for_near(const Capsule& capsule, double most, F&& f) const {
     using Stop = std::pair<double, std::uint32_t>;
-    std::priority_queue<Stop, std::vector<Stop>, std::greater<>> next;
+    std::priority_queue<Stop, Array<Stop>, std::greater<>> next;
     std::set<std::uint32_t> seen;
     for (const Point* const point : {&capsule.a, &capsule.b})
       for_particles(*point, [&](std::uint32_t i) {
@@ -57,16 +57,15 @@ class Graph {
   }
 
  private:
-  std::vector<std::vector<std::pair<std::uint32_t, double>>>
-      rods_;  ///< of each, the other end and the length
-  std::vector<std::vector<std::uint32_t>> pins_;
+  Array<Array<std::pair<std::uint32_t, double>>> rods_;  ///< of each, the other end and the length
+  Array<Array<std::uint32_t>> pins_;
 };
 
 }  // namespace
 
 Neighbors::Neighbors(const Scene& part) {
   double widest = 0;
-  std::vector<std::vector<std::uint32_t>> capsules_at(part.particles.size());
+  Array<Array<std::uint32_t>> capsules_at(part.particles.size());
   for (std::uint32_t k = 0; k < part.capsules.size(); ++k) {
     const Capsule& capsule = part.capsules[k];
     if (!capsule.filter.own_island) continue;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -20,8 +20,8 @@ class Neighbors {
   bool may_touch(std::uint32_t one, std::uint32_t other) const;
 
  private:
-  std::vector<std::uint8_t> own_;  ///< by capsule, whether it touches its island at all; none if none does
-  std::vector<std::vector<std::uint32_t>> neighbors_;  ///< of each, with itself, ascending
+  Array<std::uint8_t> own_;  ///< by capsule, whether it touches its island at all; none if none does
+  Array<Array<std::uint32_t>> neighbors_;  ///< of each, with itself, ascending
 };
 
 }  // namespace plumb::detail

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -194,7 +194,7 @@ bool ClusterStepper::let_go(Island& island, const Side& side) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   if (state.laws.empty()) return false;
-  std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
+  Array<Vec3>& push = island.impulse;  // which the end of a substep writes anew
   push.assign(linkage.movable(), Vec3{});
   add_push(island, side, 1, push);
   bool is_changed = false;

@@ -113,7 +113,7 @@ void ClusterStepper::lay_pushes() {
 
 /// Lets islands make of pushes on free particles what they do, and adds that to their motion.
 template <double ClusterStepper::Row::*of>
-void ClusterStepper::follow_free(Island& island, std::vector<Vec3>& motion) {
+void ClusterStepper::follow_free(Island& island, Array<Vec3>& motion) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
@@ -135,7 +135,7 @@ void ClusterStepper::follow_free(Island& island, std::vector<Vec3>& motion) {
 }
 
 template <double ClusterStepper::Row::*of>
-std::vector<Vec3>& ClusterStepper::motion_of(Island& island) {
+Array<Vec3>& ClusterStepper::motion_of(Island& island) {
   if constexpr (of == &Row::p) return island.d;
   return island.v;
 }

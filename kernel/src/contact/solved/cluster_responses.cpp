@@ -193,7 +193,7 @@ bool ClusterStepper::find_buckling(bool is_found) {
 /// Returns what an island answers to all that pushes it where it touches, and free particles would answer.
 ClusterStepper::Answer ClusterStepper::answer(Island& island, std::uint32_t i) const {
   const Linkage& linkage = *island.state->linkage;
-  std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
+  Array<Vec3>& push = island.impulse;  // which the end of a substep writes anew
   push.assign(linkage.movable(), Vec3{});
   Answer out;
   const auto for_sides = [&](auto&& f) {

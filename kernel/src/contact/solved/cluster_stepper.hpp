@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "contact/cluster_island.hpp"
 #include "contact/cluster_mover.hpp"
@@ -25,6 +24,7 @@
 #include "contact/solved/missed.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -260,7 +260,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   template <double Row::*of>
   void push_on(double share);
   template <double Row::*of>
-  void keep_pushes(std::vector<double>& to) const;
+  void keep_pushes(Array<double>& to) const;
   template <double Row::*of>
   bool turn_back() const;
   template <double Row::*of>
@@ -277,9 +277,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_free_responses();
   void lay_pushes();
   template <double Row::*of>
-  void follow_free(Island& island, std::vector<Vec3>& motion);
+  void follow_free(Island& island, Array<Vec3>& motion);
   template <double Row::*of>
-  static std::vector<Vec3>& motion_of(Island& island);
+  static Array<Vec3>& motion_of(Island& island);
   template <double Row::*of>
   void extrapolate(double share);
   template <double Row::*of>
@@ -337,8 +337,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::unique_ptr<ClusterMover> relaxed_;
   bool relaxes_crowds_;
   ProjectionWork projection_;
-  std::vector<LinkageMotion> before_;  ///< what to return to
-  std::vector<Island> islands_;
+  Array<LinkageMotion> before_;  ///< what to return to
+  Array<Island> islands_;
   /// A rod that is pulled beyond its strength in a substep that is not solved.
   struct Overload {
     LinkageState* state = nullptr;
@@ -346,21 +346,21 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   };
   Overload overload_{};
   std::uint32_t count_ = 0;
-  std::vector<Row> rows_;
-  std::vector<Levers> levers_;
-  std::vector<RowsTouch> touches_;  ///< empty unless they count
-  std::vector<LeftOut> left_out_;
+  Array<Row> rows_;
+  Array<Levers> levers_;
+  Array<RowsTouch> touches_;  ///< empty unless they count
+  Array<LeftOut> left_out_;
   NearPairs own_pairs_;                         ///< of one island's shapes
-  std::vector<Bounds> own_bounds_;              ///< around those
+  Array<Bounds> own_bounds_;                    ///< around those
   NearPairs near_islands_;                      ///< which may touch in this substep
   NearPairs close_islands_;                     ///< which may do so within a step
-  std::vector<Bounds> island_bounds_;           ///< of which such pairs are
-  std::vector<double> top_speeds_;              ///< m/s, of islands
+  Array<Bounds> island_bounds_;                 ///< of which such pairs are
+  Array<double> top_speeds_;                    ///< m/s, of islands
   const Surroundings* surroundings_ = nullptr;  ///< of this step
   GroundNow ground_;                            ///< as the substep starts
-  std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending
-  std::vector<MissedGround> missed_ground_;
-  std::vector<MissedPair> missed_pairs_;
+  Array<std::uint32_t> near_ground_;            ///< an island's or a shape's, ascending
+  Array<MissedGround> missed_ground_;
+  Array<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool may_sink_ = true;          ///< what is relaxed may end deeper in ground than it was
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
@@ -378,11 +378,11 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
   bool is_wide_ = false;        ///< pushes are found freely
   bool knows_answers_ = false;  ///< responses are those of the rows of now
-  std::vector<FreeTerm> free_terms_;
-  std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
-  bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try
-  bool takes_end_ = false;                        ///< elastics gained energy, so that they are to damp
-  int switches_ = 0;                              ///< how often that was changed in this substep
+  Array<FreeTerm> free_terms_;
+  Array<double> last_pushes_, swept_from_;  ///< then, of rows
+  bool keeps_slack_ = false;                ///< which elastics are slack is known from the last try
+  bool takes_end_ = false;                  ///< elastics gained energy, so that they are to damp
+  int switches_ = 0;                        ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   bool rests_ = false;  ///< nothing is faster than what may sleep, as the substep begins

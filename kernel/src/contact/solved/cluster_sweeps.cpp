@@ -244,7 +244,7 @@ void ClusterStepper::push_on(double share) {
 
 /// Takes note of pushes.
 template <double ClusterStepper::Row::*of>
-void ClusterStepper::keep_pushes(std::vector<double>& to) const {
+void ClusterStepper::keep_pushes(Array<double>& to) const {
   for (std::size_t r = 0; r < rows_.size(); ++r) to[r] = rows_[r].*of;
 }
 
@@ -257,10 +257,10 @@ bool ClusterStepper::turn_back() const {
   return back > 0;
 }
 
-#define PLUMB_INSTANTIATE(of)                                                \
-  template double ClusterStepper::sweep<of>();                               \
-  template void ClusterStepper::push_on<of>(double);                         \
-  template void ClusterStepper::keep_pushes<of>(std::vector<double>&) const; \
+#define PLUMB_INSTANTIATE(of)                                          \
+  template double ClusterStepper::sweep<of>();                         \
+  template void ClusterStepper::push_on<of>(double);                   \
+  template void ClusterStepper::keep_pushes<of>(Array<double>&) const; \
   template bool ClusterStepper::turn_back<of>() const;
 PLUMB_INSTANTIATE(&ClusterStepper::Row::p)
 PLUMB_INSTANTIATE(&ClusterStepper::Row::q)

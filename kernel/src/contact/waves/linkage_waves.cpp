@@ -26,7 +26,7 @@ constexpr double slower = 2;
 }  // namespace
 
 void Linkage::find_taut_rods(const Scene& part) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  Array<std::pair<std::uint32_t, std::uint32_t>> pairs;
   couple_shapes(pairs);
   std::set<std::pair<std::uint32_t, std::uint32_t>> coupled, in_bodies;
   for (const auto& [a, b] : pairs) coupled.insert(std::minmax(a / 3, b / 3));

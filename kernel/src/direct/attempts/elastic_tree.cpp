@@ -11,7 +11,7 @@ namespace {
 /// Nodes keep their numbers, and ties become fixed vertices after them. The rod of node i to its parent is
 /// rod i - 1, and ties' rods follow.
 std::shared_ptr<const LoopTopology> as_loops(const TreeTopology& tree) {
-  std::vector<LoopRod> rods;
+  Array<LoopRod> rods;
   for (std::uint32_t i = 1; i < tree.nodes; ++i) rods.push_back({i, tree.parent[i]});
   for (std::uint32_t i = 0; i < tree.nodes; ++i)
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)

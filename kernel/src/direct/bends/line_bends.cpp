@@ -83,7 +83,7 @@ class Finder {
     out_.clamps.push_back(vertex);
   }
   /// Says whether a chain's vertices are at the places from `begin` on. A clamp may be where none is yet.
-  bool goes_along(const std::vector<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) const {
+  bool goes_along(const Array<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) const {
     for (const std::uint32_t vertex_of_chain : chain) {
       const bool is_clamp = begin == -2 || begin == nodes_ + 1;
       if (begin < -2 || begin > nodes_ + 1) return false;
@@ -99,7 +99,7 @@ class Finder {
     return tie == none ? none : out_.clamps[tie - tree_.ties.size()];
   }
   /// Makes clamps at the ends of a chain that goes along the line, and says where its joints are.
-  void clamp(const std::vector<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) {
+  void clamp(const Array<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) {
     const std::int64_t end = begin + direction * (static_cast<std::int64_t>(chain.size()) - 1);
     const std::int64_t low = std::min(begin, end), high = std::max(begin, end);
     if (low == -2 && out_.ends[0] == none) add_clamp(false, begin < end ? chain.front() : chain.back());
@@ -111,8 +111,8 @@ class Finder {
 
   const layouts::Tree& tree_;
   std::int64_t nodes_;
-  std::vector<std::uint32_t> node_of_;  ///< by vertex
-  std::vector<std::uint8_t> taken_;     ///< by slot
+  Array<std::uint32_t> node_of_;  ///< by vertex
+  Array<std::uint8_t> taken_;     ///< by slot
   LineBends out_;
 };
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "direct/loops/loop_elements.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "simd/tree/tree_kernels.hpp"
 
@@ -19,9 +19,9 @@ struct LineBends {
   /// Ties that stand at the clamp and the anchor of the root, and at the anchor and the clamp of the tip.
   /// Clamps have no rods, and follow the ties of the tree.
   std::array<std::uint32_t, 4> ends{simd::no_slot, simd::no_slot, simd::no_slot, simd::no_slot};
-  std::vector<std::uint32_t> clamps{};  ///< Vertices of the island that ties after those of the tree are at.
-  std::vector<std::uint32_t> slots{};   ///< There is one per bend of the island.
-  std::vector<std::uint8_t> turned{};   ///< They say of bends that they were given from the tip on.
+  Array<std::uint32_t> clamps{};  ///< Vertices of the island that ties after those of the tree are at.
+  Array<std::uint32_t> slots{};   ///< There is one per bend of the island.
+  Array<std::uint8_t> turned{};   ///< They say of bends that they were given from the tip on.
 
   /// The joints of its twisted chain have the slots from the first of these to the one before the second, as
   /// bends there would.

@@ -3,12 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/bends/bend_law.hpp"
 #include "direct/bends/island_rods.hpp"
 #include "direct/bends/loop_bend.hpp"
 #include "direct/loops/loop_rod.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -32,8 +32,8 @@ inline std::array<double, 3> bend_weights(double first, double second) {
 struct BendTable {
   explicit BendTable(const Scene& scene);
   const Scene& scene;
-  std::vector<std::array<double, 2>> lengths;  ///< See bend_lengths().
-  std::vector<double> twist_lengths;           ///< See twist_length().
+  Array<std::array<double, 2>> lengths;  ///< See bend_lengths().
+  Array<double> twist_lengths;           ///< See twist_length().
 };
 
 /// Gives an island the numbers of its bends, in the order of its topology.

@@ -31,7 +31,7 @@ SparseAnalysis analyse(const LoopTopology& shape) {
   const std::uint32_t nodes = shape.nodes;
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
-  std::vector<SparseEntry> entries;
+  Array<SparseEntry> entries;
   const auto add_tile = [&](std::uint32_t row, std::uint32_t column, std::uint32_t at) {
     for (std::uint32_t r = 0; r < 3; ++r)
       for (std::uint32_t c = 0; c < 3; ++c) entries.push_back({row, r, column, c, at + 3 * r + c});

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <vector>
-
 #include "direct/loops/loop_state.hpp"
 #include "interface/tally.hpp"
 #include "linear/sparse_ldu.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -23,8 +22,8 @@ struct DisplacementFactor {
 
   SparseAnalysis analysis;  ///< Its values are nine for every node, then eighteen for every rod.
   SparseLdu ldu;
-  std::vector<double> values, smallest, right;
-  std::vector<double> force,
+  Array<double> values, smallest, right;
+  Array<double> force,
       gradient;  ///< Rods had these directions (m) when it was made, three numbers each.
 };
 

@@ -56,17 +56,17 @@ double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
 
 }  // namespace
 
-std::vector<std::uint32_t> order_by_levels(std::span<const LoopRod> rods, std::uint32_t nodes) {
-  std::vector<std::vector<std::uint32_t>> neighbours(nodes);
+Array<std::uint32_t> order_by_levels(std::span<const LoopRod> rods, std::uint32_t nodes) {
+  Array<Array<std::uint32_t>> neighbours(nodes);
   for (const auto [a, b] : rods)
     if (b < nodes) {
       neighbours[a].push_back(b);
       neighbours[b].push_back(a);
     }
-  std::vector<std::uint32_t> order;
+  Array<std::uint32_t> order;
   std::uint32_t start = 0;
   for (int pass = 0; pass < 2; ++pass) {  // the second pass starts where the first ended, at one end
-    std::vector<std::uint8_t> seen(nodes, 0);
+    Array<std::uint8_t> seen(nodes, 0);
     order.clear();
     for (std::uint32_t i = 0; i < nodes; ++i) {
       const std::uint32_t root = i == 0 ? start : i;

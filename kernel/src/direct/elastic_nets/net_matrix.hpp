@@ -3,27 +3,27 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/loops/loop_rod.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
 
 /// Returns nodes by their distance in rods from one end of the island. Rows and columns of a net then run one
 /// way, and so does elimination along them.
-std::vector<std::uint32_t> order_by_levels(std::span<const LoopRod> rods, std::uint32_t nodes);
+Array<std::uint32_t> order_by_levels(std::span<const LoopRod> rods, std::uint32_t nodes);
 
 /// Lists the rods of an island by the later of their ends.
 struct NetPattern {
   NetPattern(std::span<const LoopRod> of, std::uint32_t nodes);
 
   std::uint32_t nodes;
-  std::vector<LoopRod> rods;          ///< They are as the island numbers them.
-  std::vector<std::uint32_t> number;  ///< It says by place which rod it is.
-  std::vector<std::uint32_t> first;   ///< The places of every node begin here; their end follows.
-  std::vector<std::uint32_t> before;  ///< It says by place which node is the earlier end.
-  std::vector<std::uint32_t> tied;    ///< These rods lead to fixed vertices.
+  Array<LoopRod> rods;          ///< They are as the island numbers them.
+  Array<std::uint32_t> number;  ///< It says by place which rod it is.
+  Array<std::uint32_t> first;   ///< The places of every node begin here; their end follows.
+  Array<std::uint32_t> before;  ///< It says by place which node is the earlier end.
+  Array<std::uint32_t> tied;    ///< These rods lead to fixed vertices.
 };
 
 /// A symmetric matrix has a tile for every two nodes that a rod joins,
@@ -62,9 +62,9 @@ class NetMatrix {
   void backward(std::span<Vec3> v) const;
 
   const NetPattern* pattern_;
-  std::vector<RodPart> parts_;                  ///< They are by place.
-  std::vector<Tile> pivot_, inverse_, beyond_;  ///< P, its inverse and K's diagonal less 2 P, by node.
-  std::vector<Vec3> rest_, near_, along_, image_;
+  Array<RodPart> parts_;                  ///< They are by place.
+  Array<Tile> pivot_, inverse_, beyond_;  ///< P, its inverse and K's diagonal less 2 P, by node.
+  Array<Vec3> rest_, near_, along_, image_;
 };
 
 }  // namespace plumb::detail

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "direct/elastic_nets/net_matrix.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -16,9 +16,9 @@ struct NetWorkspace {
   explicit NetWorkspace(const NetPattern& pattern);
 
   NetMatrix matrix;
-  std::vector<NetMatrix::RodPart> parts;  ///< They are by rod.
-  std::vector<double> lacking;            ///< Multipliers lack this at the present delta, by rod.
-  std::vector<Vec3> right, change;        ///< They are by node.
+  Array<NetMatrix::RodPart> parts;  ///< They are by rod.
+  Array<double> lacking;            ///< Multipliers lack this at the present delta, by rod.
+  Array<Vec3> right, change;        ///< They are by node.
 };
 
 /// Solves a substep that begin() has prepared. Multipliers are unknowns of their own and are eliminated from

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "interface/grab.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -29,7 +29,7 @@ struct LoopGrab : HeldGrab {
 
 /// Lists numbers of a state that grabs have changed for a substep, and what they are else.
 struct ChangedNumbers {
-  std::vector<std::pair<double*, double>> all;
+  Array<std::pair<double*, double>> all;
 
   void change(double& number, double by) {
     all.emplace_back(&number, number);

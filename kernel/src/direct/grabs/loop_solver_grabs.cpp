@@ -10,7 +10,7 @@ namespace {
 /// Returns the rod between two vertices whose mass couples them, else any between them, else how many rods
 /// there are.
 std::size_t rod_between(const LoopState& state, Slot a, Slot b) {
-  const std::vector<LoopRod>& rods = state.topology->rods;
+  const Array<LoopRod>& rods = state.topology->rods;
   std::size_t found = rods.size();
   for (std::size_t k = 0; k < rods.size(); ++k) {
     if (!((rods[k].a == a && rods[k].b == b) || (rods[k].a == b && rods[k].b == a))) continue;

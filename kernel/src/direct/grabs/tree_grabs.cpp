@@ -16,7 +16,7 @@ void TreeGrabs<T>::copy_lane(std::uint32_t lane, const TreeGrabs& from, std::uin
   const auto is_of = [](std::uint32_t which) {
     return [which](const TreeGrab& grab) { return grab.lane == which; };
   };
-  const auto count = [&](const std::vector<TreeGrab>& grabs, std::uint32_t which) {
+  const auto count = [&](const Array<TreeGrab>& grabs, std::uint32_t which) {
     return std::count_if(grabs.begin(), grabs.end(), is_of(which));
   };
   if (count(all, lane) != count(from.all, from_lane)) {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "interface/grab.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -35,8 +35,8 @@ struct TreeGrab : HeldGrab {
 /// forces, so that all solves see heavier nodes. Between substeps those are what they were.
 template <class T>
 struct TreeGrabs {
-  std::vector<TreeGrab> all;
-  std::vector<std::pair<T*, T>> changed;  ///< numbers of the state, and what they are else
+  Array<TreeGrab> all;
+  Array<std::pair<T*, T>> changed;  ///< numbers of the state, and what they are else
 
   bool any() const { return !all.empty(); }
   void put_back() {

@@ -43,7 +43,7 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
                                           state_.topology->parent[second.entry] == first.entry);
   if (is_turned) std::swap(first, second);
   if (kind_->rules.gradient == Gradient::old) keep_velocities(grab.lane);
-  std::vector<TreeGrab>& all = state_.grabs.all;
+  Array<TreeGrab>& all = state_.grabs.all;
   all.insert(
       std::find_if(all.begin(), all.end(), [&](const TreeGrab& each) { return each.lane > grab.lane; }),
       grab);
@@ -65,7 +65,7 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
 template <class T>
 void TreeSolver<T>::end_grab(std::uint32_t number) {
   if (held_grab(number) == nullptr) return;
-  std::vector<TreeGrab>& all = state_.grabs.all;
+  Array<TreeGrab>& all = state_.grabs.all;
   for (const TreeGrab& grab : all)
     if (grab.number == number && kind_->rules.gradient == Gradient::old) keep_velocities(grab.lane);
   std::erase_if(all, [&](const TreeGrab& grab) { return grab.number == number; });

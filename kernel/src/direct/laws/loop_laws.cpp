@@ -39,7 +39,7 @@ double paid_out(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k)
 void LoopLaws::make(std::span<const double> length2) {
   if (any()) return;
   rods.assign(length2.size(), Numbers{0, 0, 1});
-  half_kick = rate = jump = impulse = ahead = bent = std::vector<double>(length2.size());
+  half_kick = rate = jump = impulse = ahead = bent = Array<double>(length2.size());
   for (const double square : length2) length.push_back(std::sqrt(square));
 }
 

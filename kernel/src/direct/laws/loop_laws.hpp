@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/laws/law_factors.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -13,17 +13,17 @@ namespace plumb::detail {
 /// no numbers.
 struct LoopLaws {
   using Numbers = std::array<double, simd::tree_fields::law>;
-  std::vector<Numbers> rods;
+  Array<Numbers> rods;
 
-  std::vector<double> half_kick;  ///< They have one number per rod, see simd/tree/law_math.hpp.
-  std::vector<double> length;     ///< At the end of the last substep, in m.
-  std::vector<double> rate;       ///< Lengths change by so much, in m/s.
-  std::vector<double> jump;       ///< Rates changed by so much as the step began, in m/s.
-  std::vector<double> impulse;    ///< Pulls times substeps, of this step, in N s.
-  std::vector<double> ahead;      ///< Of it, what the next step takes back, see pulls_ahead.hpp.
-  std::vector<double> bent;       ///< Bends pull along rods so in a substep, over the unit of mass.
-  bool moves = false;             ///< Some rod changes its length.
-  bool pulls = false;             ///< Pulls are added up.
+  Array<double> half_kick;  ///< They have one number per rod, see simd/tree/law_math.hpp.
+  Array<double> length;     ///< At the end of the last substep, in m.
+  Array<double> rate;       ///< Lengths change by so much, in m/s.
+  Array<double> jump;       ///< Rates changed by so much as the step began, in m/s.
+  Array<double> impulse;    ///< Pulls times substeps, of this step, in N s.
+  Array<double> ahead;      ///< Of it, what the next step takes back, see pulls_ahead.hpp.
+  Array<double> bent;       ///< Bends pull along rods so in a substep, over the unit of mass.
+  bool moves = false;       ///< Some rod changes its length.
+  bool pulls = false;       ///< Pulls are added up.
 
   /// Makes room for rods of these squared lengths (m^2), which are rigid.
   void make(std::span<const double> length2);
@@ -44,9 +44,9 @@ struct LawNow {
 struct LawWorkspace {
   LawFactors factors;
   bool is_mid = false;
-  std::vector<LawNow> starts;  ///< They are per rod.
+  Array<LawNow> starts;  ///< They are per rod.
   /// The squared lengths of elastic cables have grown by so much (m²) in the substep that ends; per rod.
-  std::vector<double> growth;
+  Array<double> growth;
 };
 
 /// A row of Newton's matrix is  use gradient . (change of e) + soft (change of mu) = -c.

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "direct/laws/law_factors.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -39,7 +39,7 @@ struct TreeLaws {
   Of<double> ahead;                          ///< Of it, what the next step takes back, see pulls_ahead.hpp.
   Of<double> blow;                           ///< Of it, what came as the step began. Only while rods move.
   Of<T> step;                                ///< They have tree_fields::law_step numbers per rod.
-  std::vector<LawFactors> factors;           ///< Steps are made of them, per lane.
+  Array<LawFactors> factors;                 ///< Steps are made of them, per lane.
   layouts::AlignedBuffer<T> factor_numbers;  ///< They are the same, see simd::law_factors.
   bool steps_are_old = true;                 ///< Steps are to be made anew.
 

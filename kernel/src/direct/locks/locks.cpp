@@ -30,14 +30,14 @@ class Walk {
     }
     for (std::uint32_t i = 0; i < shape_.vertices; ++i) first_[i + 1] += first_[i];
     rods_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    Array<std::uint32_t> next(first_.begin(), first_.end() - 1);
     for (std::uint32_t k = 0; k < shape_.rods.size(); ++k)
       for (const std::uint32_t end : {shape_.rods[k].a, shape_.rods[k].b}) rods_[next[end]++] = k;
   }
 
   Locks run() {
     locks_.anchors.assign(shape_.nodes, Locks::none);
-    std::vector<std::uint32_t> held;
+    Array<std::uint32_t> held;
     for (std::uint32_t i = shape_.nodes; i < shape_.vertices; ++i) held.push_back(i);
     for (std::size_t i = 0; i < held.size(); ++i)  // what gets locked holds others
       for (std::uint32_t at = first_[held[i]]; at < first_[held[i] + 1]; ++at)
@@ -128,9 +128,9 @@ class Walk {
 
   const LoopState& state_;
   const LoopTopology& shape_;
-  std::vector<std::uint32_t> first_, rods_;      ///< Rods of a vertex begin at first_.
-  std::vector<Vec3> places_;                     ///< of vertices, m
-  std::vector<std::uint32_t> path_, path_rods_;  ///< nodes of a line, and the rods before them
+  Array<std::uint32_t> first_, rods_;      ///< Rods of a vertex begin at first_.
+  Array<Vec3> places_;                     ///< of vertices, m
+  Array<std::uint32_t> path_, path_rods_;  ///< nodes of a line, and the rods before them
   Locks locks_;
 };
 

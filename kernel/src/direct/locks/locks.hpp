@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
@@ -21,12 +21,12 @@ struct Locks {
   bool any() const { return !anchors.empty(); }
   bool has(std::uint32_t vertex) const { return vertex < anchors.size() && anchors[vertex] != none; }
 
-  std::vector<std::uint32_t> anchors;  ///< Every node has the vertex that it moves with; empty if none has.
+  Array<std::uint32_t> anchors;  ///< Every node has the vertex that it moves with; empty if none has.
   /// Lines end at these anchors, which must keep their distance.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  Array<std::pair<std::uint32_t, std::uint32_t>> ends;
   /// Where rods gave, nodes are put here (m), by 10⁻³ of a rod at most: none would come to lie straight by
   /// itself. It is empty once they are.
-  std::vector<std::pair<std::uint32_t, Vec3>> places;
+  Array<std::pair<std::uint32_t, Vec3>> places;
 };
 
 /// A line may have this much slack, as a share of its length, and rods may be off theirs by as much. It is

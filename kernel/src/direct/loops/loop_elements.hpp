@@ -1,20 +1,19 @@
 #pragma once
 
-#include <vector>
-
 #include "direct/bends/loop_bend.hpp"
 #include "direct/reels/loop_reel.hpp"
 #include "direct/tackles/loop_tackle.hpp"
 #include "direct/twists/loop_twist.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
 /// An island has these elements beside its rods, by its vertices.
 struct LoopElements {
-  std::vector<LoopBend> bends{};
-  std::vector<LoopTackle> tackles{};
-  std::vector<LoopTwist> twists{};
-  std::vector<LoopReel> reels{};
+  Array<LoopBend> bends{};
+  Array<LoopTackle> tackles{};
+  Array<LoopTwist> twists{};
+  Array<LoopReel> reels{};
 
   /// Returns how many pulleys have friction.
   std::uint32_t pulleys() const {

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "direct/loops/loop_stepper.hpp"
 #include "interface/archive.hpp"
 #include "interface/changes.hpp"
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -156,15 +156,15 @@ class LoopSolver final : public Solver {
   std::shared_ptr<LoopRules> rules_;
   mutable LoopState state_;
   mutable LoopWorkspace work_;
-  mutable std::vector<double>
+  mutable Array<double>
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocity_known_ = false;
   bool anchors_changed_ = false, lengths_changed_ = false, grabs_changed_ = false, away_ = false;
   bool locks_known_ = false;
-  std::vector<double> blows_;  ///< Of rods, then tackles, in N s, see blow(). It is empty until it is needed.
+  Array<double> blows_;  ///< Of rods, then tackles, in N s, see blow(). It is empty until it is needed.
   // An accuracy needs these:
   LoopMotion saved_[2]{};
-  std::vector<double> mark_{};
+  Array<double> mark_{};
   double best_substep_ = 0;
 };
 

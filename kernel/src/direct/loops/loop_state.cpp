@@ -17,7 +17,7 @@ LoopTopology::LoopTopology(const layouts::Graph& island, LoopElements elements)
   find_anchored();
 }
 
-LoopTopology::LoopTopology(std::uint32_t movable, std::uint32_t all, std::vector<LoopRod> of)
+LoopTopology::LoopTopology(std::uint32_t movable, std::uint32_t all, Array<LoopRod> of)
     : nodes(movable), vertices(all), order(all), rods(std::move(of)) {
   std::iota(order.begin(), order.end(), 0u);
   find_anchored();
@@ -35,7 +35,7 @@ void LoopTopology::find_anchored() {
 }
 
 void LoopTopology::use_lines(std::span<const Vec3> positions) {
-  const std::vector<Line> found = find_lines(rods, nodes, positions);
+  const Array<Line> found = find_lines(rods, nodes, positions);
   renumber(RodLines(found, rods, nodes).node_order());
   lines = std::make_unique<RodLines>(found, rods, nodes);
 }
@@ -45,9 +45,9 @@ void LoopTopology::use_net() {
   net = std::make_unique<NetPattern>(rods, nodes);
 }
 
-void LoopTopology::renumber(const std::vector<std::uint32_t>& nodes_in_order) {
+void LoopTopology::renumber(const Array<std::uint32_t>& nodes_in_order) {
   std::copy(nodes_in_order.begin(), nodes_in_order.end(), order.begin());
-  std::vector<std::uint32_t> place(vertices);
+  Array<std::uint32_t> place(vertices);
   for (std::uint32_t i = 0; i < vertices; ++i) place[order[i]] = i;
   for (LoopRod& rod : rods) rod = {place[rod.a], place[rod.b]};
 }
@@ -55,10 +55,10 @@ void LoopTopology::renumber(const std::vector<std::uint32_t>& nodes_in_order) {
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
   x.assign(3 * std::size_t{topology->vertices}, 0);
-  u = force = weight = std::vector<double>(3 * n);
+  u = force = weight = Array<double>(3 * n);
   mass.assign(n, 0);
-  mu = coupling = length2 = std::vector<double>(rods);
-  fixed_velocity = fixed_last_velocity = std::vector<Vec3>(topology->vertices - n);
+  mu = coupling = length2 = Array<double>(rods);
+  fixed_velocity = fixed_last_velocity = Array<Vec3>(topology->vertices - n);
 }
 
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& scene, MassModel model,
@@ -71,7 +71,7 @@ LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& sce
   }
   u.assign(3 * std::size_t{n}, 0);
   force = weight = u;
-  std::vector<double> first_moment;
+  Array<double> first_moment;
   for (std::uint32_t i = 0; i < n; ++i) mass.push_back(scene.particles[members[i]].mass);
   first_moment = mass;
   double lengths = 0;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "direct/bends/loop_bends.hpp"
 #include "direct/elastic_nets/net_matrix.hpp"
@@ -18,6 +17,7 @@
 #include "direct/twists/loop_twists.hpp"
 #include "linear/sparse_ldu.hpp"
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "time/effort.hpp"
 #include "time/pace.hpp"
@@ -36,7 +36,7 @@ namespace plumb::detail {
 /// Pulleys with friction have theirs after them. Every twist adds its torque, after those: one for all of its
 /// chain, which keeps the rest sparse.
 struct LoopSystem {
-  LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
+  LoopSystem(const Array<LoopRod>& rods, std::uint32_t nodes, bool couples,
              const LoopElements& elements = {});
 
   static constexpr std::uint32_t per_rod = 14;
@@ -58,7 +58,7 @@ struct LoopSystem {
 struct LoopTopology : LoopElements {
   explicit LoopTopology(const layouts::Graph& island, LoopElements elements = {});
   /// Vertices keep their numbers; the movable ones come first, and no rod begins at a fixed one.
-  LoopTopology(std::uint32_t nodes, std::uint32_t vertices, std::vector<LoopRod> rods);
+  LoopTopology(std::uint32_t nodes, std::uint32_t vertices, Array<LoopRod> rods);
 
   /// Lets the island be solved by lines, which `positions` (m) of its vertices show.
   void use_lines(std::span<const Vec3> positions);
@@ -66,9 +66,9 @@ struct LoopTopology : LoopElements {
   void use_net();
 
   std::uint32_t nodes = 0, vertices;
-  std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
-  std::vector<LoopRod> rods;
-  std::vector<std::uint32_t> anchored;  ///< These rods end at fixed vertices, those of reels left out.
+  Array<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
+  Array<LoopRod> rods;
+  Array<std::uint32_t> anchored;  ///< These rods end at fixed vertices, those of reels left out.
   /// One of these is there. The others are for islands whose factorisations would be dear. Who needs a system
   /// all the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -77,7 +77,7 @@ struct LoopTopology : LoopElements {
 
  private:
   void find_anchored();
-  void renumber(const std::vector<std::uint32_t>& nodes_in_order);
+  void renumber(const Array<std::uint32_t>& nodes_in_order);
 };
 
 /// Steps change these numbers of an island.
@@ -85,28 +85,27 @@ struct LoopTopology : LoopElements {
 /// `u` is a velocity (m/s) if `u_step` is 0, and otherwise the displacement of the last substep, of length
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
 struct LoopMotion {
-  std::vector<double> x;  ///< Positions have 3 numbers per vertex, in m.
-  std::vector<double> u,
+  Array<double> x;  ///< Positions have 3 numbers per vertex, in m.
+  Array<double> u,
       mu;  ///< u has 3 numbers per node, and mu one per rod, tackle and pulley with friction.
-  std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
+  Array<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
   /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
   /// in m/s^2.
-  std::vector<double> acceleration, acceleration_before;
+  Array<double> acceleration, acceleration_before;
   std::uint32_t known = 0;        ///< So many substeps were taken, up to the two that accelerations are from.
   std::uint32_t damped = 0;       ///< So many substeps are to be taken with gradient new.
   std::uint32_t next_damped = 0;  ///< The next time it will be so many.
   Pace pace;                      ///< It says into which pieces substeps are cut before they are tried.
   Effort effort;                  ///< It says how much may be tried in a substep.
-  std::vector<double> twisted;    ///< Chains are twisted so far, in rad.
+  Array<double> twisted;          ///< Chains are twisted so far, in rad.
   LoopLaws laws;
-  std::vector<LoopTackleMotion> tackles;
-  std::vector<double>
-      pulley_impulses;  ///< Segments behind pulleys with friction pulled so in this step, N s.
-  std::vector<LoopReelMotion> reels;
-  std::vector<LoopGrab> grabs;
+  Array<LoopTackleMotion> tackles;
+  Array<double> pulley_impulses;  ///< Segments behind pulleys with friction pulled so in this step, N s.
+  Array<LoopReelMotion> reels;
+  Array<LoopGrab> grabs;
   /// Fixed vertices held with these impulses (N s) in this step. There is one each if pulls are added up, or
   /// if there are bends, tackles, twists or reels.
-  std::vector<Vec3> hold;
+  Array<Vec3> hold;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
   bool gave = false;   ///< Rods gave in the last substep, and may not fit.
@@ -127,16 +126,16 @@ struct LoopState : LoopMotion {
   void set_gravity(Vec3 gravity);
 
   std::shared_ptr<const LoopTopology> topology;
-  std::vector<double> force,
-      weight;  ///< They have 3 numbers per node, divided by the unit of mass; weight is gravity.
-  std::vector<double> weighs;  ///< It is per node what gravity acts on, divided likewise.
-  std::vector<double> mass, coupling,
-      length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
-  std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
-  std::vector<LoopBendNumbers> bends;
-  std::vector<TackleLaw> tackle_laws;
-  std::vector<LoopTwistNumbers> twists;
-  std::vector<LoopReelNumbers> reel_numbers;
+  Array<double> force,
+      weight;            ///< They have 3 numbers per node, divided by the unit of mass; weight is gravity.
+  Array<double> weighs;  ///< It is per node what gravity acts on, divided likewise.
+  Array<double> mass, coupling,
+      length2;                 ///< Masses are per node; couplings and squared lengths (m^2) per rod.
+  Array<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
+  Array<LoopBendNumbers> bends;
+  Array<TackleLaw> tackle_laws;
+  Array<LoopTwistNumbers> twists;
+  Array<LoopReelNumbers> reel_numbers;
   Locks locks;
   ChangedNumbers changed;  ///< in the substep under way
   bool anchors_move = false;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "direct/displacements/displacement_newton.hpp"
 #include "direct/elastic_nets/net_newton.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/loop_lines.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::detail {
@@ -26,9 +26,9 @@ struct LoopWorkspace {
     Factor(const LoopSystem& system, Isa isa);
     const LoopSystem* system;
     SparseLdu ldu;
-    std::vector<double> values, smallest, right;
-    std::vector<std::uint8_t> acts;  ///< By rod: it was in the equations; slack cables are not.
-    bool worth_carrying() const;     ///< Says whether to keep it for the next substep.
+    Array<double> values, smallest, right;
+    Array<std::uint8_t> acts;     ///< By rod: it was in the equations; slack cables are not.
+    bool worth_carrying() const;  ///< Says whether to keep it for the next substep.
     double theta = 0, h = 0;  ///< They are of the substep it was made for; h is 0 if it is not worth keeping.
   };
   /// Lists what the next substep starts from. The state has been listed already.
@@ -53,19 +53,19 @@ struct LoopWorkspace {
   std::unique_ptr<DisplacementFactor> displacements;  ///< It is made when lines do not lead to a solution.
   std::unique_ptr<Factor>
       projection;  ///< Gradient mid has none, as it projects in steps alone, not when asked for velocities.
-  std::vector<double> delta;      ///< Displacements of this substep have 3 numbers per vertex, in m.
-  std::vector<double> load;       ///< It has 3 numbers per node.
-  std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
-  std::vector<double> mu_start, trial, start;
-  std::vector<Vec3> fixed_jump;    ///< Anchors have changed their velocity by so much, in m/s.
-  std::vector<Vec3> fixed_rest;    ///< Zeros: jumps begin there.
-  std::vector<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
-  std::vector<BendNumbers> bends;  ///< They hold for this substep.
-  std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
+  Array<double> delta;      ///< Displacements of this substep have 3 numbers per vertex, in m.
+  Array<double> load;       ///< It has 3 numbers per node.
+  Array<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
+  Array<double> mu_start, trial, start;
+  Array<Vec3> fixed_jump;    ///< Anchors have changed their velocity by so much, in m/s.
+  Array<Vec3> fixed_rest;    ///< Zeros: jumps begin there.
+  Array<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
+  Array<BendNumbers> bends;  ///< They hold for this substep.
+  Array<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
   TackleWorkspace tackles;
-  std::vector<TwistSubstep> twists;
-  std::vector<ReelSubstep> reels;
-  std::vector<double> resists;  ///< Bends resist a node's displacement by so much; it has one per node.
+  Array<TwistSubstep> twists;
+  Array<ReelSubstep> reels;
+  Array<double> resists;  ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
   bool draws_cables = false;  ///< Rods that give a little are sought with their pulls (rod_terms()).
   LoopMotion saved;

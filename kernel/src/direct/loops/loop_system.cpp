@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "direct/loops/loop_state.hpp"
 #include "linear/elimination_order.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -13,7 +13,7 @@ using Index = std::uint32_t;
 
 /// An island with so many nodes has these rods and elements.
 struct Parts {
-  const std::vector<LoopRod>& rods;
+  const Array<LoopRod>& rods;
   const LoopElements& elements;
   Index nodes;
 
@@ -28,10 +28,10 @@ struct Parts {
 };
 
 /// Returns the pairs of nodes that rods and elements couple.
-std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
+Array<std::pair<Index, Index>> edges_of(const Parts& of) {
   const LoopElements& elements = of.elements;
   const Index nodes = of.nodes;
-  std::vector<std::pair<Index, Index>> out;
+  Array<std::pair<Index, Index>> out;
   for (const LoopRod rod : of.rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
   const auto add = [&](Index a, Index b) {
@@ -56,13 +56,13 @@ std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
 /// then what all of them can yield, which is never zero but for those that others make redundant. Pulleys
 /// come before their tackle, since its first segment alone may yield nothing. Torques come last, since they
 /// meet all of a chain.
-std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
-  const std::vector<LoopRod>& rods = of.rods;
-  const std::vector<LoopTackle>& tackles = of.elements.tackles;
+Array<Index> with_rods(const Array<Index>& nodes, const Parts& of) {
+  const Array<LoopRod>& rods = of.rods;
+  const Array<LoopTackle>& tackles = of.elements.tackles;
   const auto n = static_cast<Index>(nodes.size());
-  std::vector<Index> number(n);
+  Array<Index> number(n);
   for (Index i = 0; i < n; ++i) number[nodes[i]] = i;
-  std::vector<std::vector<Index>> after(n);
+  Array<Array<Index>> after(n);
   for (Index k = 0; k < rods.size(); ++k)
     after[rods[k].b < n ? std::max(number[rods[k].a], number[rods[k].b]) : number[rods[k].a]].push_back(k);
   for (Index t = 0; t < tackles.size(); ++t) {
@@ -73,7 +73,7 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
       after[last].push_back(of.first_pulley() - n + tackles[t].first_pulley + p);
     after[last].push_back(static_cast<Index>(rods.size()) + t);
   }
-  std::vector<Index> order;
+  Array<Index> order;
   for (Index i = 0; i < n; ++i) {
     order.push_back(nodes[i]);
     for (const Index k : after[i]) order.push_back(n + k);
@@ -84,7 +84,7 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
 
 /// Adds what bends couple to a pattern and its entries. Of a bend's values `at` is the first.
 void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& pattern,
-              std::vector<SparseEntry>& entries) {
+              Array<SparseEntry>& entries) {
   for (const auto [i, j] : LoopBend::pairs) {
     const Index a = bend.vertices[i], b = bend.vertices[j];
     for (Index row = 0; row < 3; ++row)
@@ -99,7 +99,7 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
 
 /// Adds what the pulleys of a tackle, the variable `row`, couple. Of that tackle's values `at` is the first.
 void add_pulleys(const Parts& of, const LoopTackle& tackle, Index row, Index at, SparsePattern& pattern,
-                 std::vector<SparseEntry>& entries) {
+                 Array<SparseEntry>& entries) {
   const Index first = of.first_pulley() + tackle.first_pulley;
   for (Index p = 0; p < tackle.pulleys(); ++p) {
     const Index own = first + p, before = p > 0 ? own - 1 : row, value = at + tackle.at_pulley(p);
@@ -120,7 +120,7 @@ void add_pulleys(const Parts& of, const LoopTackle& tackle, Index row, Index at,
 
 /// Adds what a tackle, the variable `row`, couples. Of its values `at` is the first.
 void add_tackle(const LoopTackle& tackle, Index nodes, Index row, Index at, SparsePattern& pattern,
-                std::vector<SparseEntry>& entries) {
+                Array<SparseEntry>& entries) {
   const auto add_tile = [&](Index a, Index b, Index value) {
     for (Index r = 0; r < 3; ++r)
       for (Index c = 0; c < 3; ++c) entries.push_back({a, r, b, c, value + 3 * r + c});
@@ -149,7 +149,7 @@ void add_tackle(const LoopTackle& tackle, Index nodes, Index row, Index at, Spar
 
 /// Adds what a twist couples, as add_bend() does. `torque` is its variable.
 void add_twist(const LoopTwist& twist, Index nodes, Index torque, Index at, SparsePattern& pattern,
-               std::vector<SparseEntry>& entries) {
+               Array<SparseEntry>& entries) {
   for (Index k = 0; k < twist.joints(); ++k) {
     const std::array<Index, 3> joint = twist.joint(k);
     for (const Index a : joint)
@@ -171,7 +171,7 @@ void add_twist(const LoopTwist& twist, Index nodes, Index torque, Index at, Spar
 }
 
 /// Adds what the elements of an island couple. Of their values `at` is the first.
-void add_elements(const Parts& of, Index at, SparsePattern& pattern, std::vector<SparseEntry>& entries) {
+void add_elements(const Parts& of, Index at, SparsePattern& pattern, Array<SparseEntry>& entries) {
   for (const LoopBend& bend : of.elements.bends) {
     add_bend(bend, of.nodes, at, pattern, entries);
     at += LoopBend::values;
@@ -194,7 +194,7 @@ SparseAnalysis analyse(const Parts& of, bool couples) {
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
   pattern.size.resize(of.variables(), 1);
-  std::vector<SparseEntry> entries;
+  Array<SparseEntry> entries;
   for (Index i = 0; i < nodes; ++i)
     for (Index c = 0; c < 3; ++c) entries.push_back({i, c, i, c, i});
   for (Index k = 0; k < rods.size(); ++k) {
@@ -216,7 +216,7 @@ SparseAnalysis analyse(const Parts& of, bool couples) {
     entries.push_back({rod, 0, rod, 0, at + 13});
   }
   add_elements(of, nodes + LoopSystem::per_rod * of.rod_count(), pattern, entries);
-  const std::vector<std::pair<Index, Index>> edges = edges_of(of);
+  const Array<std::pair<Index, Index>> edges = edges_of(of);
   pattern.order = with_rods(order_by_degree(nodes, edges), of);
   if (nodes > least_dissected) {
     SparsePattern other = pattern;
@@ -228,7 +228,7 @@ SparseAnalysis analyse(const Parts& of, bool couples) {
 
 }  // namespace
 
-LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
+LoopSystem::LoopSystem(const Array<LoopRod>& of, std::uint32_t count, bool coupled,
                        const LoopElements& elements)
     : nodes(count),
       rods(static_cast<std::uint32_t>(of.size())),

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "direct/loops/loop_vectors.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -20,13 +20,13 @@ constexpr int bows = 80;
 constexpr int most_elastic_steps = 3;
 
 /// Returns the number of rods between every vertex and the nearest fixed one, or the first if none is fixed.
-std::vector<std::uint32_t> distances_to_fixed(const LoopTopology& shape) {
-  std::vector<std::vector<std::uint32_t>> neighbours(shape.vertices);
+Array<std::uint32_t> distances_to_fixed(const LoopTopology& shape) {
+  Array<Array<std::uint32_t>> neighbours(shape.vertices);
   for (const auto [a, b] : shape.rods) {
     neighbours[a].push_back(b);
     neighbours[b].push_back(a);
   }
-  std::vector<std::uint32_t> out(shape.vertices, shape.vertices), found;
+  Array<std::uint32_t> out(shape.vertices, shape.vertices), found;
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) found.push_back(i);
   if (found.empty()) found.push_back(0);
   for (const std::uint32_t i : found) out[i] = 0;
@@ -58,24 +58,24 @@ Vec3 bending_direction(const LoopState& state) {
 }
 
 /// Returns how high a bow of height 1 (m a rod) lies at every node: steepest near what is fixed.
-std::vector<double> bow_of(const LoopTopology& shape) {
-  const std::vector<std::uint32_t> distances = distances_to_fixed(shape);
+Array<double> bow_of(const LoopTopology& shape) {
+  const Array<std::uint32_t> distances = distances_to_fixed(shape);
   const double farthest = *std::max_element(distances.begin(), distances.end());
-  std::vector<double> out;
+  Array<double> out;
   for (std::uint32_t i = 0; i < shape.nodes; ++i)
     out.push_back(distances[i] * (1 - distances[i] / (2 * farthest)));
   return out;
 }
 
-std::vector<double> bowed(const LoopState& state, const std::vector<double>& bow, Vec3 by) {
-  std::vector<double> x = state.x;
+Array<double> bowed(const LoopState& state, const Array<double>& bow, Vec3 by) {
+  Array<double> x = state.x;
   for (std::uint32_t i = 0; i < bow.size(); ++i)
     if (!state.locks.has(i)) put(x.data() + 3 * std::size_t{i}, state.position(i) + bow[i] * by);
   return x;
 }
 
 /// Returns the sum of squares of what rods lack, relative to their lengths.
-double misfit(const LoopState& state, const std::vector<double>& x) {
+double misfit(const LoopState& state, const Array<double>& x) {
   double sum = 0;
   for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k) {
     const auto [a, b] = state.topology->rods[k];
@@ -96,13 +96,13 @@ double misfit(const LoopState& state, const std::vector<double>& x) {
 
 /// Bends the island in the bow that brings rods nearest to their lengths.
 void bend(LoopState& state) {
-  const std::vector<double> bow = bow_of(*state.topology);
+  const Array<double> bow = bow_of(*state.topology);
   const Vec3 direction = std::sqrt(state.scale2) * bending_direction(state);
-  std::vector<double> best = state.x;  // where no bow has a finite misfit
+  Array<double> best = state.x;  // where no bow has a finite misfit
   double least = std::numeric_limits<double>::infinity();
   double share = least_bow;
   for (int i = 0; i < bows; ++i, share *= next_bow) {
-    std::vector<double> x = bowed(state, bow, share * direction);
+    Array<double> x = bowed(state, bow, share * direction);
     const double lacking = misfit(state, x);
     if (lacking >= least) continue;
     least = lacking;

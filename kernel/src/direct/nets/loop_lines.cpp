@@ -136,7 +136,7 @@ void accelerate(bool again, LoopWorkspace& work) {
     }
   const double all = std::accumulate(square.begin(), square.end(), 0.0);
   const double back = again && all > 0 ? std::accumulate(along.begin(), along.end(), 0.0) / all : 0;
-  const auto go_on = [again, back](std::span<double> values, std::vector<double>& last) {
+  const auto go_on = [again, back](std::span<double> values, Array<double>& last) {
     for (std::size_t k = 0; k < last.size(); ++k) {
       const double came_to = values[k];
       if (again) values[k] = came_to - back * (came_to - last[k]);

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/rod_lines.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -24,19 +24,19 @@ struct LineWorkspace {
 
   /// Multipliers have this past.
   struct History {
-    std::vector<double> before, earlier;  ///< They are of the substeps before the last one.
-    double kick = 0;                      ///< It is of the last substep, in s².
-    int known = 0;  ///< So many of before and earlier are of substeps like the last one.
+    Array<double> before, earlier;  ///< They are of the substeps before the last one.
+    double kick = 0;                ///< It is of the last substep, in s².
+    int known = 0;                  ///< So many of before and earlier are of substeps like the last one.
   };
 
   const RodLines* lines;
   LineSolver solver;
-  std::vector<double> d,
-      excess;  ///< They are of rods at the start of a substep: d in m, (|d|² - L²)/2 in m².
-  std::vector<double> mu, wanted;  ///< mu has multipliers, and wanted what their change is to do.
-  std::vector<double> pushed;      ///< Rods push nodes so far, 3 numbers per node.
-  std::vector<double> start;       ///< These are the multipliers before an iteration.
-  std::vector<double> last_change, last_mu, last_delta;  ///< The last one did this to them, and came to this.
+  Array<double> d,
+      excess;                ///< They are of rods at the start of a substep: d in m, (|d|² - L²)/2 in m².
+  Array<double> mu, wanted;  ///< mu has multipliers, and wanted what their change is to do.
+  Array<double> pushed;      ///< Rods push nodes so far, 3 numbers per node.
+  Array<double> start;       ///< These are the multipliers before an iteration.
+  Array<double> last_change, last_mu, last_delta;  ///< The last one did this to them, and came to this.
   History past, kept;
   int stalls = 0;  ///< It counts them without a solution between them.
 };

@@ -20,16 +20,16 @@ class Paths {
  public:
   Paths(std::span<const LoopRod> rods, std::uint32_t nodes, std::span<const Vec3> positions)
       : rods_(rods), next_(rods.size(), {RodLines::none, RodLines::none}) {
-    std::vector<std::vector<std::uint32_t>> at(nodes);
+    Array<Array<std::uint32_t>> at(nodes);
     for (std::uint32_t k = 0; k < rods.size(); ++k)
       for (const std::uint32_t end : {rods[k].a, rods[k].b})
         if (end < nodes) at[end].push_back(k);
     for (std::uint32_t i = 0; i < nodes; ++i) join(i, at[i], positions);
   }
 
-  std::vector<Line> walk() const {
-    std::vector<std::uint8_t> seen(rods_.size(), 0);
-    std::vector<Line> paths;
+  Array<Line> walk() const {
+    Array<std::uint8_t> seen(rods_.size(), 0);
+    Array<Line> paths;
     const auto follow = [&](std::uint32_t from) {
       Line path;
       for (std::uint32_t k = from, last = RodLines::none; k != RodLines::none && seen[k] == 0;) {
@@ -61,7 +61,7 @@ class Paths {
       double cosine;
       std::uint32_t one, other;
     };
-    std::vector<Pair> pairs;
+    Array<Pair> pairs;
     if (at.size() > most_at_joint) return;
     for (std::size_t i = 0; i < at.size(); ++i)
       for (std::size_t j = i + 1; j < at.size(); ++j)
@@ -78,7 +78,7 @@ class Paths {
   }
 
   std::span<const LoopRod> rods_;
-  std::vector<std::array<std::uint32_t, 2>> next_;  ///< It is by rod, at its ends a and b.
+  Array<std::array<std::uint32_t, 2>> next_;  ///< It is by rod, at its ends a and b.
 };
 
 using Lanes = std::array<double, RodLines::lanes>;
@@ -91,9 +91,8 @@ double sum_of(const Lanes& lanes) {
 
 }  // namespace
 
-std::vector<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes,
-                             std::span<const Vec3> positions) {
-  std::vector<Line> lines = Paths(rods, nodes, positions).walk();
+Array<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes, std::span<const Vec3> positions) {
+  Array<Line> lines = Paths(rods, nodes, positions).walk();
   std::stable_sort(lines.begin(), lines.end(),
                    [](const Line& a, const Line& b) { return a.size() > b.size(); });
   return lines;
@@ -119,7 +118,7 @@ RodLines::RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std:
       }
     packs.push_back(slots());
   }
-  std::vector<std::vector<Meeting>> at(nodes);
+  Array<Array<Meeting>> at(nodes);
   for (std::uint32_t s = 0; s < slots(); ++s) {
     if (numbers[s] == none) continue;
     at[ends[s].a].push_back({s, 1});
@@ -131,9 +130,9 @@ RodLines::RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std:
   }
 }
 
-std::vector<std::uint32_t> RodLines::node_order() const {
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint8_t> seen(nodes, 0);
+Array<std::uint32_t> RodLines::node_order() const {
+  Array<std::uint32_t> order;
+  Array<std::uint8_t> seen(nodes, 0);
   const auto meet = [&](std::uint32_t vertex) {
     if (vertex < nodes && std::exchange(seen[vertex], std::uint8_t{1}) == 0) order.push_back(vertex);
   };

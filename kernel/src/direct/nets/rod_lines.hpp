@@ -3,19 +3,18 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "direct/loops/loop_rod.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
 
-using Line = std::vector<std::uint32_t>;  ///< It lists rods, one after the other.
+using Line = Array<std::uint32_t>;  ///< It lists rods, one after the other.
 
 /// Puts all rods on paths that run on as straight as they can, such as the rows and columns of a net, the
 /// longest first. `positions` of the vertices, the first `nodes` of which are movable.
-std::vector<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes,
-                             std::span<const Vec3> positions);
+Array<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes, std::span<const Vec3> positions);
 
 /// Lines stand side by side, `lanes` of about the same length. A rod's slot says where: the first rods of all
 /// of them come first, then the second. Slots that no rod has are padding.
@@ -26,25 +25,25 @@ struct RodLines {
   RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std::uint32_t nodes);
 
   /// Returns nodes in the order in which slots meet them, so that what is used together lies together.
-  std::vector<std::uint32_t> node_order() const;
+  Array<std::uint32_t> node_order() const;
 
   std::uint32_t slots() const { return static_cast<std::uint32_t>(ends.size()); }
 
   std::uint32_t nodes;
-  std::vector<LoopRod> ends;           ///< They are by slot; padding has 0 and 0.
-  std::vector<std::uint32_t> numbers;  ///< They say by slot which rod it is; padding has none.
+  Array<LoopRod> ends;           ///< They are by slot; padding has 0 and 0.
+  Array<std::uint32_t> numbers;  ///< They say by slot which rod it is; padding has none.
   /// They say by slot which node a rod shares with the one before it in its line. The sign is 1 if the same
   /// end of both is there, -1 if not, and 0 if none is before it.
-  std::vector<std::uint32_t> joints;
-  std::vector<double> turns;
-  std::vector<std::uint32_t> packs;  ///< Lines side by side begin at these slots; the end of all follows.
+  Array<std::uint32_t> joints;
+  Array<double> turns;
+  Array<std::uint32_t> packs;  ///< Lines side by side begin at these slots; the end of all follows.
   /// A rod meets a node with its end a (1) or b (-1).
   struct Meeting {
     std::uint32_t slot;
     double sign;
   };
-  std::vector<std::uint32_t> first;  ///< The meetings of every node begin here; their end follows.
-  std::vector<Meeting> meetings;     ///< Those of a node have ascending slots.
+  Array<std::uint32_t> first;  ///< The meetings of every node begin here; their end follows.
+  Array<Meeting> meetings;     ///< Those of a node have ascending slots.
 };
 
 /// Solves A m = b, A = F W Fᵀ, with F the directions of rods and W the inverse masses of nodes. It takes
@@ -79,12 +78,12 @@ class LineSolver {
   double multiply();
 
   const RodLines* lines_;
-  std::vector<double> inverse_;  ///< They are by vertex of a rod; fixed ones have 0.
-  std::vector<double> give_,
+  Array<double> inverse_;  ///< They are by vertex of a rod; fixed ones have 0.
+  Array<double> give_,
       share_;  ///< They are by slot: give of both ends, share of the joint with its turn.
-  std::vector<double> directions_, motion_;
-  std::vector<double> pivots_, links_;  ///< Lines' factors have inverse pivots, and links below the diagonal.
-  std::vector<double> near_, along_, image_;
+  Array<double> directions_, motion_;
+  Array<double> pivots_, links_;  ///< Lines' factors have inverse pivots, and links below the diagonal.
+  Array<double> near_, along_, image_;
 };
 
 }  // namespace plumb::detail

@@ -2,16 +2,16 @@
 
 #include <compare>
 #include <cstdint>
-#include <vector>
 
 #include "direct/laws/loop_laws.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
 
 /// The drum of a reel is the first of these vertices, and rod j of the chain joins the vertices j and j + 1.
 struct LoopReel {
-  std::vector<std::uint32_t> vertices, rods;
+  Array<std::uint32_t> vertices, rods;
 
   friend bool operator==(const LoopReel&, const LoopReel&) = default;
   friend auto operator<=>(const LoopReel&, const LoopReel&) = default;
@@ -19,10 +19,10 @@ struct LoopReel {
 
 /// These numbers of a chain never change. They are by vertex, or by rod.
 struct LoopReelNumbers {
-  std::vector<double> mass;    ///< Masses of vertices, in units of the island's.
-  std::vector<double> behind;  ///< Lengths of the chain beyond vertices, in m.
-  std::vector<double> length;  ///< Nominal lengths of rods, in m.
-  std::vector<LoopLaws::Numbers> laws;
+  Array<double> mass;    ///< Masses of vertices, in units of the island's.
+  Array<double> behind;  ///< Lengths of the chain beyond vertices, in m.
+  Array<double> length;  ///< Nominal lengths of rods, in m.
+  Array<LoopLaws::Numbers> laws;
 };
 
 /// Steps change these numbers of a reel.

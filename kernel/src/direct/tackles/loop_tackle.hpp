@@ -3,7 +3,8 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -13,7 +14,7 @@ namespace plumb::detail {
 /// With friction every segment has a multiplier, that of the first being the tackle's own. The others belong
 /// to pulleys: pulley p is vertex p + 1, and behind it lies segment p + 1.
 struct LoopTackle {
-  std::vector<std::uint32_t> vertices;
+  Array<std::uint32_t> vertices;
   std::uint32_t first = 0;         ///< Number of its first segment among those of the island.
   bool rubs = false;               ///< There is friction.
   std::uint32_t first_pulley = 0;  ///< Number of its first pulley with friction among those of the island.

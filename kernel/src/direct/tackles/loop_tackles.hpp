@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/tackles/loop_tackle.hpp"
 #include "direct/tackles/tackle_law.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -40,11 +40,11 @@ struct TackleWorkspace {
     Vec3 way;
     double length;
   };
-  std::vector<Segment> segments;  ///< They are those at the start, of one tackle after the other.
-  std::vector<double> starts;     ///< Sums of segments at the start of a substep, in m.
-  std::vector<double> lengths;    ///< Lengths that hold in this substep, in m.
-  std::vector<Pulley> pulleys;    ///< Those with friction.
-  bool are_smooth = false;        ///< Leaves friction out.
+  Array<Segment> segments;  ///< They are those at the start, of one tackle after the other.
+  Array<double> starts;     ///< Sums of segments at the start of a substep, in m.
+  Array<double> lengths;    ///< Lengths that hold in this substep, in m.
+  Array<Pulley> pulleys;    ///< Those with friction.
+  bool are_smooth = false;  ///< Leaves friction out.
 };
 
 /// Gives an island the numbers of its tackles, in the order of its topology.

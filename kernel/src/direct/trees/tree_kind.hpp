@@ -6,11 +6,11 @@
 #include <memory>
 #include <optional>
 #include <tuple>
-#include <vector>
 
 #include "direct/attempts/elastic_tree.hpp"
 #include "direct/trees/tree_stepper.hpp"
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -58,8 +58,8 @@ struct TreeKind {
   std::uint32_t lanes;
   TreeStepper<T> stepper;
   std::optional<TreeStepper<T>>
-      calm_stepper;         ///< It has gradient mid, and is there if the gradient may change.
-  std::vector<Crew> crews;  ///< There is one per thread.
+      calm_stepper;   ///< It has gradient mid, and is there if the gradient may change.
+  Array<Crew> crews;  ///< There is one per thread.
 };
 
 extern template struct TreeKind<float>;

@@ -113,7 +113,7 @@ struct TreeState<T>::Masses {
         coupling(std::span(all).subspan(3 * nodes, nodes)),
         tie_coupling(std::span(all).last(ties)) {}
 
-  std::vector<double> all;  ///< of which the others are parts
+  Array<double> all;  ///< of which the others are parts
   std::span<double> mass, least, first_moment, coupling;
   std::span<double> tie_coupling;  ///< It is by tie.
 };

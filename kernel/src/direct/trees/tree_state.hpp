@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "direct/bends/line_bends.hpp"
 #include "direct/bends/tree_bends.hpp"
@@ -15,6 +14,7 @@
 #include "direct/twists/tree_twists.hpp"
 #include "interface/read_rows.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
 #include "simd/tree/tree_kernels.hpp"
@@ -28,11 +28,11 @@ struct TreeTopology {
 
   LineBends bends;            ///< Lines may have some, and a twist.
   std::uint32_t nodes, ties;  ///< Ties without rods, which bends and twists have, come last.
-  std::vector<std::uint32_t> parent, tie_begin, below_slot;
+  Array<std::uint32_t> parent, tie_begin, below_slot;
   std::uint32_t below_slots = 0;
   std::uint32_t rods() const { return nodes - 1 + tie_begin[nodes]; }
-  bool is_line = false;                  ///< One node follows the other, with at most one tie at either end.
-  std::vector<std::uint8_t> holds_ties;  ///< They say per node whether it or something below it is tied.
+  bool is_line = false;            ///< One node follows the other, with at most one tie at either end.
+  Array<std::uint8_t> holds_ties;  ///< They say per node whether it or something below it is tied.
 };
 
 /// A tree is made of these particles and rods of the scene.
@@ -99,39 +99,39 @@ struct TreeState {
 
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
-  std::uint32_t trees;             ///< So many lanes are not idle.
-  std::vector<std::uint8_t> idle;  ///< It is 1 per lane that is.
+  std::uint32_t trees;       ///< So many lanes are not idle.
+  Array<std::uint8_t> idle;  ///< It is 1 per lane that is.
   layouts::AlignedBuffer<T> node, tie, u, acceleration, acceleration_before, force, tie_delta, tie_u, mu,
       tie_mu, mu_before, tie_mu_before;
   layouts::AlignedBuffer<double> length2, tie_length2, x, tie_x, weight,
-      weighs;                     ///< The weight is gravity per node, in N, and what it acts on in kg.
-  std::vector<double> mass_unit;  ///< It is per lane, in kg.
-  std::vector<double> scale2;     ///< It is the mean squared length of a rod per lane, in m^2.
-  std::vector<double> u_step,
+      weighs;               ///< The weight is gravity per node, in N, and what it acts on in kg.
+  Array<double> mass_unit;  ///< It is per lane, in kg.
+  Array<double> scale2;     ///< It is the mean squared length of a rod per lane, in m^2.
+  Array<double> u_step,
       u_step_before;  ///< They are of the last substep and the one before, per lane, in s; 0 means that u is
                       ///< a velocity.
-  std::vector<double> mu_kick,
+  Array<double> mu_kick,
       mu_kick_before;  ///< mu and mu_before were found with these kicks, per lane, in s^2; 0 if unknown.
   /// Fixed ends have these velocities in this step and in the last substep, per tie and lane, in m/s.
-  std::vector<Vec3> tie_velocity, tie_last_velocity;
-  std::vector<std::uint8_t>
+  Array<Vec3> tie_velocity, tie_last_velocity;
+  Array<std::uint8_t>
       known;  ///< Each lane has taken so many substeps, up to the two that accelerations are from.
-  std::vector<std::uint8_t> gave;  ///< They say per lane whether rods gave in the last substep.
+  Array<std::uint8_t> gave;  ///< They say per lane whether rods gave in the last substep.
   TreeLaws<T> laws;
   TreeBends<T> bends;
   TreeTwists twists;
   TreeGrabs<T> grabs;
   /// Ties held with these impulses (N s) in this step, per tie and lane. There are none unless pulls are
   /// added up.
-  std::vector<Vec3> hold;
+  Array<Vec3> hold;
   bool ties_move = false;
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient
                           ///< old alone has it.
   /// So many failing substeps are not halved, per lane, and the next time that they are it will be so many.
-  std::vector<std::uint32_t> elastic, next_elastic;
-  std::vector<Effort> effort;        ///< It says per lane how much may be tried in a substep.
-  std::vector<std::uint8_t> smooth;  ///< They say per lane whether the last acceleration foretells the next.
+  Array<std::uint32_t> elastic, next_elastic;
+  Array<Effort> effort;        ///< It says per lane how much may be tried in a substep.
+  Array<std::uint8_t> smooth;  ///< They say per lane whether the last acceleration foretells the next.
 
  private:
   struct Masses;
@@ -203,11 +203,11 @@ struct TreeWorkspace {
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool is_line = false;  ///< Multipliers alone are solved for. Others guess displacements from accelerations.
-  bool keeps_acceleration = true;         ///< Guesses and estimates of error need them.
-  std::vector<std::uint32_t> iterations;  ///< The last solve took so many in each lane.
-  std::vector<std::uint8_t> failed;       ///< The last solve failed in these lanes.
-  std::vector<Vec3> tie_jump, tie_rest;   ///< How fixed ends change their velocity (m/s), and zeros.
-  std::vector<std::uint8_t> first;  ///< Of these lanes no acceleration is known from two substeps before.
+  bool keeps_acceleration = true;   ///< Guesses and estimates of error need them.
+  Array<std::uint32_t> iterations;  ///< The last solve took so many in each lane.
+  Array<std::uint8_t> failed;       ///< The last solve failed in these lanes.
+  Array<Vec3> tie_jump, tie_rest;   ///< How fixed ends change their velocity (m/s), and zeros.
+  Array<std::uint8_t> first;        ///< Of these lanes no acceleration is known from two substeps before.
 };
 
 /// Masses, weights and scales follow from the scene.

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/newton_limits.hpp"
 #include "direct/trees/tree_state.hpp"
 #include "interface/tally.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "time/composition.hpp"
 
@@ -141,7 +141,7 @@ class TreeStepper {
   /// Projects work.velocity onto what no rod resists when fixed ends go at tie_velocity, into work.delta.
   /// Fixed ends have velocities, and had others, in m/s. Lengths change at rates.
   struct Drive {
-    const std::vector<Vec3>&velocity, &before;
+    const Array<Vec3>&velocity, &before;
     const typename TreeLaws<T>::template Of<double>& rate;
   };
   void project(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const;

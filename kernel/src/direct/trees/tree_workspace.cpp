@@ -36,16 +36,16 @@ AlignedBuffer<T> share_out(std::span<const Share<T>> shares) {
 template <class T>
 TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
   const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.ties} * lanes;
-  std::vector<Share<T>> shares{{&delta, 3 * n},
-                               {&velocity, 3 * n},
-                               {&load, 3 * n},
-                               {&rod, tree_fields::rod * n},
-                               {&tie_rod, tree_fields::rod * p},
-                               {&elimination, tree_fields::elimination * n},
-                               {&tie_elimination, tree_fields::tie_elimination * p},
-                               {&blow, n},
-                               {&tie_blow, p},
-                               {&below, tree_fields::below * std::size_t{topology.below_slots} * lanes}};
+  Array<Share<T>> shares{{&delta, 3 * n},
+                         {&velocity, 3 * n},
+                         {&load, 3 * n},
+                         {&rod, tree_fields::rod * n},
+                         {&tie_rod, tree_fields::rod * p},
+                         {&elimination, tree_fields::elimination * n},
+                         {&tie_elimination, tree_fields::tie_elimination * p},
+                         {&blow, n},
+                         {&tie_blow, p},
+                         {&below, tree_fields::below * std::size_t{topology.below_slots} * lanes}};
   for (auto* part : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before, &mu_scale,
                      &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     shares.push_back({part, lanes});

@@ -2,13 +2,14 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
 /// A twisted chain of an island has these vertices, one after the other. In a ring the last is the first.
 struct LoopTwist {
-  std::vector<std::uint32_t> vertices;
+  Array<std::uint32_t> vertices;
 
   bool is_ring() const { return vertices.front() == vertices.back(); }
   /// Counts the vertices where two of its rods meet.

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "direct/loops/loop_rod.hpp"
 #include "direct/twists/loop_twist.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -17,10 +17,10 @@ struct SubstepEnd;
 
 /// An island has these numbers of a twisted chain.
 struct LoopTwistNumbers {
-  double stiffness;                 ///< G J/length, in units of the mass unit times m²/s².
-  std::vector<std::uint32_t> rods;  ///< They are the island's rods. If one is broken, nothing is twisted.
-  double imposed = 0, target = 0;   ///< The last cross section is turned to the second in this step, in rad.
-  double rate = 0;                  ///< It is turned so fast, in rad/s.
+  double stiffness;                ///< G J/length, in units of the mass unit times m²/s².
+  Array<std::uint32_t> rods;       ///< They are the island's rods. If one is broken, nothing is twisted.
+  double imposed = 0, target = 0;  ///< The last cross section is turned to the second in this step, in rad.
+  double rate = 0;                 ///< It is turned so fast, in rad/s.
 };
 
 /// A substep twists a chain by these numbers. Its torque times the kick of a substep is an unknown of

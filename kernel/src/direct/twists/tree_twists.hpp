@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "direct/twists/loop_twists.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -15,8 +15,8 @@ struct TreeWorkspace;
 /// Equal lines in lanes have these numbers of their twist, one a lane, see simd::TreeView. Other trees have
 /// none.
 struct TreeTwists {
-  std::vector<LoopTwistNumbers> numbers;
-  std::vector<double> twisted;  ///< Chains are twisted so far, in rad.
+  Array<LoopTwistNumbers> numbers;
+  Array<double> twisted;  ///< Chains are twisted so far, in rad.
 };
 
 /// Gives a lane the numbers of its twist.

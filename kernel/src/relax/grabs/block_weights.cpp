@@ -10,7 +10,7 @@ namespace plumb::detail {
 template <class T>
 void Block<T>::add_grabbed(std::uint32_t slot, double inverse_mass) {
   Grabbed added{slot, inverse_mass, {}};
-  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const Array<std::uint32_t> slot_at = slots_by_element();
   for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
     if (packing_.lane_edge[i] == layouts::none) continue;
     const std::uint32_t a = slot_at[element_of_end(packing_.address_a, i)],

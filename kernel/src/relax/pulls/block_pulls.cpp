@@ -59,7 +59,7 @@ void Block<T>::make_strengths(const Constants& constants) {
   const auto strength_of = [&](std::uint32_t edge) {
     return edge == layouts::none ? std::numeric_limits<double>::infinity() : constants.laws[edge].strength;
   };
-  const std::vector<std::uint32_t>& edges = packing_.lane_edge;
+  const Array<std::uint32_t>& edges = packing_.lane_edge;
   if (std::none_of(edges.begin(), edges.end(),
                    [&](std::uint32_t edge) { return std::isfinite(strength_of(edge)); }))
     return;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "scene/bends/curvature.hpp"
 #include "scene/bends/rod_table.hpp"
@@ -45,7 +46,7 @@ void validate_rods(const Scene& scene, const RodTable& rods, std::size_t i) {
 
 void refuse_duplicate_bends(const std::vector<Bend>& bends) {
   using Entry = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::size_t>;
-  std::vector<Entry> sorted;
+  Array<Entry> sorted;
   for (std::size_t i = 0; i < bends.size(); ++i) {
     const auto [low, high] = std::minmax(bends[i].a, bends[i].c);
     sorted.emplace_back(bends[i].b, low, high, i);
@@ -74,8 +75,8 @@ void validate_bends(const Scene& scene) {
   refuse_duplicate_bends(scene.bends);
 }
 
-std::vector<std::array<double, 2>> bend_lengths(const Scene& scene) {
-  std::vector<std::array<double, 2>> out;
+Array<std::array<double, 2>> bend_lengths(const Scene& scene) {
+  Array<std::array<double, 2>> out;
   if (scene.bends.empty()) return out;
   const RodTable rods(scene);
   const auto length = [&](std::uint32_t a, std::uint32_t b) {
@@ -88,7 +89,7 @@ std::vector<std::array<double, 2>> bend_lengths(const Scene& scene) {
 }
 
 double bending_energy(const Scene& scene, std::span<const Vec3> positions) {
-  const std::vector<std::array<double, 2>> lengths = bend_lengths(scene);
+  const Array<std::array<double, 2>> lengths = bend_lengths(scene);
   double sum = 0;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const Bend& bend = scene.bends[i];

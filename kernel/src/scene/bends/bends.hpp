@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -19,7 +19,7 @@ void validate_bends(const Scene& scene);
 
 /// Returns the two lengths of every bend of a valid scene, in m: from a to b and from b to c. They are those
 /// of rods, or the distance of two fixed particles without a rod.
-std::vector<std::array<double, 2>> bend_lengths(const Scene& scene);
+Array<std::array<double, 2>> bend_lengths(const Scene& scene);
 
 /// Returns the energy of all bends at `positions` (m), in J.
 double bending_energy(const Scene& scene, std::span<const Vec3> positions);

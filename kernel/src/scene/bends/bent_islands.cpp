@@ -15,7 +15,7 @@ std::uint32_t first_movable(const Scene& scene, std::span<const std::uint32_t> p
 }
 
 /// Joins particles in a graph by edges to one of them that is movable.
-void join(const Scene& scene, std::span<const std::uint32_t> particles, std::vector<layouts::Edge>& edges) {
+void join(const Scene& scene, std::span<const std::uint32_t> particles, Array<layouts::Edge>& edges) {
   const std::uint32_t hub = first_movable(scene, particles);
   for (const std::uint32_t particle : particles)
     if (particle != hub) edges.push_back({hub, particle});
@@ -23,14 +23,14 @@ void join(const Scene& scene, std::span<const std::uint32_t> particles, std::vec
 
 /// Sorts what joins particles by islands. `particles_of` returns those of one.
 template <class List, class ParticlesOf>
-std::vector<std::vector<std::uint32_t>> by_island(const Scene& scene, const layouts::Islands& islands,
-                                                  const List& list, ParticlesOf&& particles_of) {
+Array<Array<std::uint32_t>> by_island(const Scene& scene, const layouts::Islands& islands, const List& list,
+                                      ParticlesOf&& particles_of) {
   if (list.empty()) return {};
-  std::vector<std::uint32_t> island_of(scene.particles.size(), 0);
+  Array<std::uint32_t> island_of(scene.particles.size(), 0);
   for (std::uint32_t i = 0; i < islands.count(); ++i)
     for (const std::uint32_t particle : islands.vertices(i))
       if (!scene.particles[particle].fixed) island_of[particle] = i;
-  std::vector<std::vector<std::uint32_t>> out(islands.count());
+  Array<Array<std::uint32_t>> out(islands.count());
   for (std::uint32_t i = 0; i < list.size(); ++i)
     out[island_of[first_movable(scene, particles_of(list[i]))]].push_back(i);
   return out;
@@ -46,14 +46,14 @@ constexpr auto particles_of_chain = [](const auto& element) -> const auto& {
 layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph) {
   if (scene.bends.empty() && scene.tackles.empty() && scene.twists.empty())
     return layouts::find_islands(graph);
-  std::vector<layouts::Edge> edges(graph.edges.begin(), graph.edges.end());
+  Array<layouts::Edge> edges(graph.edges.begin(), graph.edges.end());
   const auto rods = static_cast<std::uint32_t>(edges.size());
   for (const Bend& bend : scene.bends) join(scene, particles_of(bend), edges);
   for (const Tackle& tackle : scene.tackles) join(scene, tackle.particles, edges);
   for (const Twist& twist : scene.twists) join(scene, twist.particles, edges);
   layouts::Islands islands = layouts::find_islands({graph.vertices, edges, graph.movable});
   // Only rods stay. An island's edges ascend, so that its own come first.
-  std::vector<std::uint32_t> begin{0}, list;
+  Array<std::uint32_t> begin{0}, list;
   for (std::uint32_t i = 0; i < islands.count(); ++i) {
     for (const std::uint32_t edge : islands.edges(i))
       if (edge < rods) list.push_back(edge);

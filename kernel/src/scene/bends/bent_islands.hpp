@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -31,7 +31,7 @@ class IslandElements {
   }
 
  private:
-  using Lists = std::vector<std::vector<std::uint32_t>>;  ///< by island; empty if the scene has none
+  using Lists = Array<Array<std::uint32_t>>;  ///< by island; empty if the scene has none
   static std::span<const std::uint32_t> of(const Lists& lists, std::uint32_t island) {
     if (lists.empty()) return {};
     return lists[island];

@@ -4,7 +4,7 @@
 
 namespace plumb::detail {
 
-void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, std::vector<std::uint8_t>& out) {
+void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, Array<std::uint8_t>& out) {
   for (std::size_t k = 1; k < chain.size(); ++k)
     if (const auto rod = rods.find(chain[k - 1], chain[k])) out[*rod] = 1;
 }

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -37,7 +37,7 @@ class RodTable {
     return std::uint64_t{low} << 32 | high;
   }
 
-  std::vector<std::pair<std::uint64_t, std::size_t>> rods_;
+  Array<std::pair<std::uint64_t, std::size_t>> rods_;
 };
 
 /// Returns whether particles that follow each other in a chain, and are not both fixed, lack a rod.
@@ -51,7 +51,7 @@ bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain)
 }
 
 /// Sets to 1, by rod, what joins particles that follow each other in a chain.
-void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, std::vector<std::uint8_t>& out);
+void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, Array<std::uint8_t>& out);
 
 /// Refuses a bend or a twist, by its name and number, where no rod joins two of its particles that follow
 /// each other. Fixed particles in different places need none.

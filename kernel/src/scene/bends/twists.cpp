@@ -24,7 +24,7 @@ void validate_chain(const Scene& scene, std::size_t i) {
              " particles)");
   const bool is_ring = particles.front() == particles.back();
   if (is_ring && particles.size() == 3) refuse("twist ", i, ": a ring needs three different particles");
-  std::vector<std::uint32_t> sorted(particles.begin() + (is_ring ? 1 : 0), particles.end());
+  Array<std::uint32_t> sorted(particles.begin() + (is_ring ? 1 : 0), particles.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) refuse("twist ", i, ": goes through particle ", *twice, " twice");
@@ -54,10 +54,10 @@ double twist_length(const Scene& scene, const RodTable& rods, const Twist& twist
   return length;
 }
 
-std::vector<std::uint8_t> twisted_rods(const Scene& scene) {
+Array<std::uint8_t> twisted_rods(const Scene& scene) {
   if (scene.twists.empty()) return {};
   const RodTable rods(scene);
-  std::vector<std::uint8_t> out(scene.rods.size(), 0);
+  Array<std::uint8_t> out(scene.rods.size(), 0);
   for (const Twist& twist : scene.twists) mark_rods(rods, twist.particles, out);
   return out;
 }

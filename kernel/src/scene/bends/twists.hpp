@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "scene/bends/rod_table.hpp"
 
@@ -15,6 +15,6 @@ void validate_twists(const Scene& scene);
 double twist_length(const Scene& scene, const RodTable& rods, const Twist& twist);
 
 /// Says by rod whether it is twisted. It is empty if nothing is.
-std::vector<std::uint8_t> twisted_rods(const Scene& scene);
+Array<std::uint8_t> twisted_rods(const Scene& scene);
 
 }  // namespace plumb::detail

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <tuple>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "scene/ground/weld.hpp"
 
 namespace plumb::detail {
@@ -56,8 +56,8 @@ struct Side {
 };
 
 void require_edges(const GroundMesh& mesh, const std::string& name) {
-  const std::vector<std::uint32_t> first = weld(mesh.vertices);
-  std::vector<Side> sides;
+  const Array<std::uint32_t> first = weld(mesh.vertices);
+  Array<Side> sides;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
       sides.push_back({first[mesh.triangles[i][k]], first[mesh.triangles[i][(k + 1) % 3]], i});

@@ -6,8 +6,8 @@
 
 namespace plumb::detail {
 
-std::vector<std::uint32_t> weld(std::span<const Vec3> vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
+Array<std::uint32_t> weld(std::span<const Vec3> vertices) {
+  Array<std::uint32_t> order(vertices.size()), first(vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t i) {
     return std::tuple(vertices[i].x, vertices[i].y, vertices[i].z, i);

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <tuple>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -31,7 +31,7 @@ struct ByKind {
 };
 
 /// Lists numbers of each kind.
-using Names = ByKind<std::vector<std::uint32_t>>;
+using Names = ByKind<Array<std::uint32_t>>;
 
 template <class Archive, class T>
 void visit_members(Archive& archive, ByKind<T>& of) {

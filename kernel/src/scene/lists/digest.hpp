@@ -10,6 +10,7 @@
 
 #include "interface/archive.hpp"
 #include "math/byte_sum.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/lists/scene_members.hpp"
 
 namespace plumb::detail {
@@ -43,8 +44,8 @@ class Digest {
       visit_members(*this, const_cast<T&>(value));  // which is read alone
   }
   void one(const bool& value) { sum_ = mixed(sum_, value ? 1 : 0); }
-  template <class T>
-  void one(const std::vector<T>& values) {
+  template <class T, class Allocator>
+  void one(const std::vector<T, Allocator>& values) {
     sum_ = mixed(sum_, values.size());
     for (const T& each : values) one(each);
   }

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/world.hpp"
 
@@ -70,7 +70,7 @@ class BodyPoses {
   void find_motions(std::uint32_t first, At&& position, Speed&& velocity, BodyMotion* out) const;
 
   std::uint32_t count_ = 0;
-  std::vector<Group> groups_;
+  Array<Group> groups_;
 };
 
 }  // namespace plumb::detail

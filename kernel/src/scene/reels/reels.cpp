@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
@@ -57,21 +58,20 @@ void validate_out(const Scene& scene, const RodTable& rods, std::size_t i) {
 }
 
 /// Refuses what holds a particle that may be wound, which stays outside of the drum.
-void refuse_held(const std::vector<Use>& uses, std::uint32_t particle, const std::string& by) {
+void refuse_held(const Array<Use>& uses, std::uint32_t particle, const std::string& by) {
   if (uses[particle].reel != Use::none)
     refuse("reel ", uses[particle].reel, ": particle ", particle, " may be wound, but ", by, " holds it");
 }
 
 template <class List, class ParticlesOf>
-void refuse_held_by(const std::vector<Use>& uses, const char* name, const List& list,
-                    ParticlesOf&& particles_of) {
+void refuse_held_by(const Array<Use>& uses, const char* name, const List& list, ParticlesOf&& particles_of) {
   for (std::size_t i = 0; i < list.size(); ++i)
     for (const std::uint32_t particle : particles_of(list[i]))
       refuse_held(uses, particle, name + std::to_string(i));
 }
 
 void refuse_what_holds(const Scene& scene) {
-  std::vector<Use> uses(scene.particles.size());
+  Array<Use> uses(scene.particles.size());
   for (std::size_t i = 0; i < scene.reels.size(); ++i) {
     const std::vector<std::uint32_t>& particles = scene.reels[i].particles;
     for (std::size_t k = 1; k + 1 < particles.size(); ++k) {
@@ -101,23 +101,23 @@ void validate_reels(const Scene& scene) {
   refuse_what_holds(scene);
 }
 
-std::vector<std::uint32_t> rods_of(const RodTable& rods, const Reel& reel) {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> rods_of(const RodTable& rods, const Reel& reel) {
+  Array<std::uint32_t> out;
   for (std::size_t k = 1; k < reel.particles.size(); ++k)
     out.push_back(static_cast<std::uint32_t>(*rods.find(reel.particles[k - 1], reel.particles[k])));
   return out;
 }
 
 double chain_length(const Scene& scene, const RodTable& rods, const Reel& reel) {
-  const std::vector<std::uint32_t> chain = rods_of(rods, reel);
+  const Array<std::uint32_t> chain = rods_of(rods, reel);
   double sum = 0;  // from the end on, as start_of() adds it up
   for (std::size_t k = chain.size(); k-- > 0;) sum += rod_length(scene, chain[k]);
   return sum;
 }
 
 ReelStart start_of(const Scene& scene, const RodTable& rods, const Reel& reel) {
-  const std::vector<std::uint32_t> chain = rods_of(rods, reel);
-  ReelStart start{std::vector<double>(chain.size() + 1), reel.out, 1};
+  const Array<std::uint32_t> chain = rods_of(rods, reel);
+  ReelStart start{Array<double>(chain.size() + 1), reel.out, 1};
   for (std::size_t k = chain.size(); k-- > 0;)
     start.behind[k] = start.behind[k + 1] + rod_length(scene, chain[k]);
   if (reel.out == 0 || reel.out > start.behind.front()) start.out = start.behind.front();
@@ -127,20 +127,20 @@ ReelStart start_of(const Scene& scene, const RodTable& rods, const Reel& reel) {
   return start;
 }
 
-std::vector<std::uint8_t> reeled_rods(const Scene& scene) {
+Array<std::uint8_t> reeled_rods(const Scene& scene) {
   if (scene.reels.empty()) return {};
   const RodTable rods(scene);
-  std::vector<std::uint8_t> out(scene.rods.size(), 0);
+  Array<std::uint8_t> out(scene.rods.size(), 0);
   for (const Reel& reel : scene.reels) mark_rods(rods, reel.particles, out);
   return out;
 }
 
-std::vector<std::uint8_t> rods_at_drums(const Scene& scene, std::span<const Vec3> positions) {
+Array<std::uint8_t> rods_at_drums(const Scene& scene, std::span<const Vec3> positions) {
   if (scene.reels.empty()) return {};
   const RodTable rods(scene);
-  std::vector<std::uint8_t> out(scene.rods.size(), 0);
+  Array<std::uint8_t> out(scene.rods.size(), 0);
   for (const Reel& reel : scene.reels) {
-    const std::vector<std::uint32_t> chain = rods_of(rods, reel);
+    const Array<std::uint32_t> chain = rods_of(rods, reel);
     const Vec3 drum = positions[reel.particles.front()];
     std::size_t k = 0;
     while (k + 1 < chain.size() && positions[reel.particles[k + 1]] == drum) out[chain[k++]] = 1;

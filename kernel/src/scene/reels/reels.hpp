@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "scene/bends/rod_table.hpp"
 
@@ -13,7 +13,7 @@ namespace plumb::detail {
 void validate_reels(const Scene& scene);
 
 /// Returns the rods of a reel's chain, from the drum on.
-std::vector<std::uint32_t> rods_of(const RodTable& rods, const Reel& reel);
+Array<std::uint32_t> rods_of(const RodTable& rods, const Reel& reel);
 /// Returns the length of a reel's chain, in m.
 double chain_length(const Scene& scene, const RodTable& rods, const Reel& reel);
 /// Says whether more (m) would be out than a chain of `whole` (m) has, but for rounding of their sums.
@@ -23,18 +23,18 @@ inline bool exceeds_chain(double out, double whole) {
 
 /// This is how a reel starts.
 struct ReelStart {
-  std::vector<double> behind;  ///< Lengths of the chain beyond its particles, in m.
-  double out;                  ///< It is in m.
-  std::uint32_t first;         ///< The first particle of the chain that is free.
+  Array<double> behind;  ///< Lengths of the chain beyond its particles, in m.
+  double out;            ///< It is in m.
+  std::uint32_t first;   ///< The first particle of the chain that is free.
 
   double leaving() const { return out - behind[first]; }  ///< Length of the rod that leaves the drum, in m.
 };
 ReelStart start_of(const Scene& scene, const RodTable& rods, const Reel& reel);
 
 /// Says by rod whether it belongs to a reel; empty if there are no reels.
-std::vector<std::uint8_t> reeled_rods(const Scene& scene);
+Array<std::uint8_t> reeled_rods(const Scene& scene);
 /// Says by rod whether it is wound or leaves a drum at `positions` (m), so that nobody knows how long it
 /// should be; empty if there are no reels.
-std::vector<std::uint8_t> rods_at_drums(const Scene& scene, std::span<const Vec3> positions);
+Array<std::uint8_t> rods_at_drums(const Scene& scene, std::span<const Vec3> positions);
 
 }  // namespace plumb::detail

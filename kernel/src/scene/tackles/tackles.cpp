@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "scene/refuse.hpp"
 #include "scene/tackles/validate_law.hpp"

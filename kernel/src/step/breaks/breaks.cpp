@@ -1,6 +1,7 @@
 #include "step/breaks/breaks.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
@@ -29,7 +30,7 @@ void Breaks::begin() {
   out_.assign(scene_now().rods.size(), State::in);
   place_.assign(particles, none);
   whole_.assign(particles, none);
-  std::vector<Rows<std::uint32_t>::Entry> entries;
+  Array<Rows<std::uint32_t>::Entry> entries;
   for (std::uint32_t i = 0; i < scene_now().rods.size(); ++i)
     for (const std::uint32_t end : {scene_now().rods[i].a, scene_now().rods[i].b})
       entries.push_back({end, i});
@@ -88,7 +89,7 @@ std::optional<std::uint32_t> Breaks::tackle_at(std::uint32_t particle) const {
   return wholes_[whole].tackles.front();
 }
 
-std::vector<std::uint32_t> Breaks::bends_at(std::uint32_t particle) const {
+Array<std::uint32_t> Breaks::bends_at(std::uint32_t particle) const {
   Ids out;
   const std::vector<Bend>& bends = scene_now().bends;
   for (std::uint32_t i = 0; i < bends.size(); ++i) {

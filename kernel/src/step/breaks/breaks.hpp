@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "contact/edits/part_edits.hpp"
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "step/breaks/addition.hpp"
@@ -22,16 +22,16 @@ namespace plumb::detail {
 /// Holds islands that are to be made anew as a scene of their own.
 struct Fallen {
   Scene scene;
-  std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
+  Array<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
   /// Lists particles and twists that leave the solvers that move them, and rods that do so and are in no
   /// scene.
-  std::vector<std::uint32_t> leaving, leaving_rods, leaving_twists;
-  std::vector<std::uint32_t> touched;  ///< Places of these particles may change.
+  Array<std::uint32_t> leaving, leaving_rods, leaving_twists;
+  Array<std::uint32_t> touched;  ///< Places of these particles may change.
   /// Lists the contact solver's islands that are made anew with them or by themselves, and how.
-  std::vector<std::uint32_t> parts{};
+  Array<std::uint32_t> parts{};
   PartEdits part_edits{};
-  std::vector<std::uint32_t> met{};          ///< those of `parts` that rods or freed particles bring together
-  std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have or get no home
+  Array<std::uint32_t> met{};          ///< those of `parts` that rods or freed particles bring together
+  Array<std::uint32_t> of_linkages{};  ///< movable particles of those that have or get no home
   /// Has what comes together with islands of the contact solver that have no home, and is moved there from
   /// now on. Some of it may be there already.
   NamedPart held{};
@@ -132,7 +132,7 @@ class Breaks {
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
   std::optional<std::uint32_t> tackle_at(std::uint32_t particle) const;  ///< any of its island
   /// Returns the bends that have a particle, and have not ended.
-  std::vector<std::uint32_t> bends_at(std::uint32_t particle) const;
+  Array<std::uint32_t> bends_at(std::uint32_t particle) const;
   /// Returns the end of a rod that is not `particle`.
   std::uint32_t other_end(std::uint32_t rod, std::uint32_t particle) const {
     const Rod& of = scene_now().rods[rod];
@@ -145,7 +145,7 @@ class Breaks {
 
   /// Lists what an island has that one solver moves.
   struct Whole {
-    std::vector<std::uint32_t> particles{}, rods{}, bends{}, tackles{}, twists{}, reels{};
+    Array<std::uint32_t> particles{}, rods{}, bends{}, tackles{}, twists{}, reels{};
     // These stand while changes are made:
     bool is_touched = false, is_forced = false;  ///< The latter is made anew by order.
     bool stays = false;                          ///< A twist or a reel keeps it as it is.
@@ -158,12 +158,12 @@ class Breaks {
   /// Holds islands as a scene, with their numbers in the whole one.
   struct Cutout {
     Scene scene;
-    std::vector<std::uint32_t> particles, rods, bends, tackles, twists, reels;
+    Array<std::uint32_t> particles, rods, bends, tackles, twists, reels;
   };
 
   /// Lists islands of a cutout that go on by themselves: those that get solvers, and those that others move.
   struct Parts {
-    std::vector<std::uint32_t> homes, held;
+    Array<std::uint32_t> homes, held;
   };
   class Copy;
 
@@ -187,24 +187,24 @@ class Breaks {
 
   bool has_begun_ = false;
   MassModel model_;
-  std::vector<std::uint32_t> weak_;  ///< rods
-  const Scene& first_;               ///< the scene as it began
-  std::optional<Scene> grown_;       ///< with what was added, once anything was
-  std::vector<std::uint8_t> fixed_;  ///< by particle
+  Array<std::uint32_t> weak_;   ///< rods
+  const Scene& first_;          ///< the scene as it began
+  std::optional<Scene> grown_;  ///< with what was added, once anything was
+  Array<std::uint8_t> fixed_;   ///< by particle
   /// Lists particles whose masses (kg) are others: their own, and what they took of rods that are out.
   std::map<std::uint32_t, std::pair<double, double>> masses_;
-  std::vector<State> out_;            ///< by rod; empty before begin()
-  Rows<std::uint32_t> rods_at_;       ///< by particle
-  std::vector<std::uint32_t> ended_;  ///< bends that lack a rod
-  std::vector<Whole> wholes_;
-  std::vector<std::uint32_t> whole_;       ///< by particle, and none for fixed ones
-  std::vector<std::uint32_t> touched_;     ///< wholes
-  std::vector<std::uint32_t> freed_;       ///< particles
-  std::vector<std::uint32_t> held_freed_;  ///< those of them that others are to move
-  std::vector<std::uint32_t> joined_;      ///< rods
-  std::vector<std::uint32_t> along_;       ///< particles of islands that are made anew beside what is listed
-  std::vector<std::uint32_t> spare_;       ///< numbers of wholes that nobody has
-  std::vector<std::uint32_t> place_;       ///< by particle: that in a cutout which is made, else none
+  Array<State> out_;             ///< by rod; empty before begin()
+  Rows<std::uint32_t> rods_at_;  ///< by particle
+  Array<std::uint32_t> ended_;   ///< bends that lack a rod
+  Array<Whole> wholes_;
+  Array<std::uint32_t> whole_;       ///< by particle, and none for fixed ones
+  Array<std::uint32_t> touched_;     ///< wholes
+  Array<std::uint32_t> freed_;       ///< particles
+  Array<std::uint32_t> held_freed_;  ///< those of them that others are to move
+  Array<std::uint32_t> joined_;      ///< rods
+  Array<std::uint32_t> along_;       ///< particles of islands that are made anew beside what is listed
+  Array<std::uint32_t> spare_;       ///< numbers of wholes that nobody has
+  Array<std::uint32_t> place_;       ///< by particle: that in a cutout which is made, else none
 };
 
 }  // namespace plumb::detail

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -42,11 +42,11 @@ void visit_members(Archive& archive, Joined& of) {
 /// Lists what a program ordered between two steps that makes islands anew. A particle has one order of each
 /// kind at most, the last, and none to be what it is.
 struct Edits {
-  std::vector<Joined> joined;                            ///< They are done before all else.
-  std::vector<std::uint32_t> cut;                        ///< rods
-  std::vector<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
-  std::vector<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
-  bool packs = false;                                    ///< all islands are made anew, side by side
+  Array<Joined> joined;                            ///< They are done before all else.
+  Array<std::uint32_t> cut;                        ///< rods
+  Array<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
+  Array<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
+  bool packs = false;                              ///< all islands are made anew, side by side
 
   bool any() const { return !joined.empty() || !cut.empty() || !masses.empty() || !fixed.empty() || packs; }
   friend bool operator==(const Edits&, const Edits&) = default;

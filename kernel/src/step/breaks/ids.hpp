@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
 /// Lists numbers of particles, rods or the like.
-using Ids = std::vector<std::uint32_t>;
+using Ids = Array<std::uint32_t>;
 
 inline void append(Ids& to, std::span<const std::uint32_t> from) {
   to.insert(to.end(), from.begin(), from.end());

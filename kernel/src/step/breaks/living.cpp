@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
@@ -12,8 +13,8 @@
 namespace plumb::detail {
 namespace {
 
-template <class T>
-void resize_to(std::vector<T>& list, std::uint32_t count, const T& with) {
+template <class List>
+void resize_to(List& list, std::uint32_t count, const typename List::value_type& with) {
   if (count > list.size()) list.resize(count, with);
 }
 
@@ -37,7 +38,7 @@ void Breaks::grow(const Population& to) {
   if (!grown_) grown_ = parts_of(first_);
   resize_to(grown_->particles, to.particles.count(), {.fixed = true});
   for_lists([&](std::size_t kind, auto& list) { resize_to(list, to.all()[kind]->count(), {}); }, *grown_);
-  resize_to<std::uint8_t>(fixed_, to.particles.count(), 1);
+  resize_to(fixed_, to.particles.count(), 1);
   for (Ids* const of : {&place_, &whole_}) resize_to(*of, to.particles.count(), none);
   resize_to(out_, to.rods.count(), State::in);
   rods_at_.grow(to.particles.count());
@@ -57,7 +58,7 @@ void Breaks::add(const Addition& what) {
   for (std::size_t i = 0; i < scene.hulls.size(); ++i) grown_->hulls[first.hulls + i].body += first.bodies;
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
     fixed_[first.particles + i] = scene.particles[i].fixed ? 1 : 0;
-  std::vector<Rows<std::uint32_t>::Entry> entries;
+  Array<Rows<std::uint32_t>::Entry> entries;
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     const std::uint32_t number = first.rods + i;
     for (const std::uint32_t end : {scene.rods[i].a, scene.rods[i].b}) entries.push_back({end, number});

@@ -19,7 +19,7 @@ void Log::push_addition(Split split) {
 }
 
 auto Log::join(std::span<const std::uint32_t> particles) -> Group {
-  std::vector<Group> of;
+  Array<Group> of;
   for (const std::uint32_t particle : particles) of.push_back(group_of(particle));
   std::sort(of.begin(), of.end());
   of.erase(std::unique(of.begin(), of.end()), of.end());
@@ -62,8 +62,8 @@ void Log::push_removal(Split split, std::span<const std::uint32_t> particles) {
   members_.erase(group);
 }
 
-std::vector<Split> Log::splits() const {
-  std::vector<Split> out;
+Array<Split> Log::splits() const {
+  Array<Split> out;
   for (const auto& [serial, split] : entries_) out.push_back(split);
   return out;
 }

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <map>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "step/breaks/addition.hpp"
 #include "step/breaks/edits.hpp"
 
@@ -13,14 +13,14 @@ namespace plumb::detail {
 /// Holds what one call of Breaks::take_out() took, and how what it made anew was then; or what was added or
 /// removed at once. With all of them in turn, a world that is compiled anew becomes alike.
 struct Split {
-  std::vector<std::uint32_t> rods{};  ///< They broke; by number in the whole scene.
+  Array<std::uint32_t> rods{};  ///< They broke; by number in the whole scene.
   Edits edits{};
-  std::vector<Vec3> positions{}, velocities{};  ///< m and m/s, of Fallen::particles
-  std::vector<double> lengths{};                ///< m, of Fallen::rods, of its tackles, and of rods it holds
-  std::vector<Addition> added{};                ///< one at most
-  std::vector<std::uint32_t> removed{};         ///< one particle of an island at most
-  std::vector<std::uint32_t> seats{};           ///< numbers of the solvers that were made
-  std::vector<std::uint32_t> islands{};         ///< numbers that the contact solver gave
+  Array<Vec3> positions{}, velocities{};  ///< m and m/s, of Fallen::particles
+  Array<double> lengths{};                ///< m, of Fallen::rods, of its tackles, and of rods it holds
+  Array<Addition> added{};                ///< one at most
+  Array<std::uint32_t> removed{};         ///< one particle of an island at most
+  Array<std::uint32_t> seats{};           ///< numbers of the solvers that were made
+  Array<std::uint32_t> islands{};         ///< numbers that the contact solver gave
 
   friend bool operator==(const Split&, const Split&) = default;
 };
@@ -47,7 +47,7 @@ class Log {
   /// Takes a removal of particles.
   void push_removal(Split split, std::span<const std::uint32_t> particles);
 
-  std::vector<Split> splits() const;
+  Array<Split> splits() const;
   bool is_empty() const { return entries_.empty(); }
   bool is_of(std::span<const Split> splits) const;
 
@@ -63,9 +63,9 @@ class Log {
   using Serial = std::uint32_t;
   static constexpr Group of_scene = 0;  ///< that never ends
   struct Members {
-    std::vector<Serial> entries{};
-    std::vector<std::uint32_t> particles{};  ///< those that were added; removed ones may be among them
-    std::uint32_t left = 0;                  ///< how many of them are still there
+    Array<Serial> entries{};
+    Array<std::uint32_t> particles{};  ///< those that were added; removed ones may be among them
+    std::uint32_t left = 0;            ///< how many of them are still there
   };
   Group group_of(std::uint32_t particle) const {
     return particle < groups_.size() ? groups_[particle] : of_scene;
@@ -74,7 +74,7 @@ class Log {
 
   std::map<Serial, Split> entries_;
   std::map<Group, Members> members_;
-  std::vector<Group> groups_;  ///< by particle
+  Array<Group> groups_;  ///< by particle
   Serial last_ = 0;
   Group last_group_ = of_scene;
 };

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "scene/lists/by_kind.hpp"
 
 namespace plumb::detail {
@@ -56,8 +56,8 @@ class Numbers {
   void list_free();
 
   std::uint32_t count_;
-  std::vector<std::uint32_t> generations_;  ///< by number; empty while all are the first ones
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> free_;  ///< ranges that ascend: first and size
+  Array<std::uint32_t> generations_;                     ///< by number; empty while all are the first ones
+  Array<std::pair<std::uint32_t, std::uint32_t>> free_;  ///< ranges that ascend: first and size
 };
 
 /// Holds the numbers of all that may be added.

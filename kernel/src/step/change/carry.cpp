@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "scene/bends/rod_table.hpp"
 #include "scene/refuse.hpp"
@@ -121,8 +122,8 @@ void Step::carry_grabs(const Step& from) {
 /// Lets what slept sleep on. Pieces of several islands do if all of these slept.
 void Step::carry_sleep(const Step& from) {
   constexpr double never = std::numeric_limits<double>::infinity();
-  std::vector<double> still(sleep_.tasks().size(), never);
-  std::vector<std::uint8_t> wakes(still.size(), 0);
+  Array<double> still(sleep_.tasks().size(), never);
+  Array<std::uint8_t> wakes(still.size(), 0);
   for (std::uint32_t particle = 0; particle < population_.particles.count(); ++particle) {
     if (!population_.particles.has(particle) || anchors_.is_fixed(particle)) continue;
     const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(particle).front());
@@ -144,7 +145,7 @@ void Step::carry_sleep(const Step& from) {
 /// Makes motion fit what is solved now, which sweeps left off it, as at a start: without a blow.
 void Step::fit() {
   is_to_fit_ = false;
-  std::vector<std::uint8_t> off(compiled_.solvers.size(), 0);
+  Array<std::uint8_t> off(compiled_.solvers.size(), 0);
   // Four units in the last place of a coordinate.
   const double of_place = settings_.precision == Precision::single ? 0x1p-22 : 0x1p-51;
   const auto look = [&](std::uint32_t cord, const RodLaw& law, double now, Vec3 end) {

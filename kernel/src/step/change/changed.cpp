@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "interface/archive.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/refuse.hpp"
 #include "step/snapshot/fingerprint.hpp"
 #include "step/step.hpp"
@@ -91,8 +91,7 @@ void Step::relive_anew(const Step& from) {
   }
   for (const Split& each : from.log_.splits()) redo(each, from);
   if (from.has_broken_)
-    if (const std::vector<std::uint32_t> broken = from.broken_now(); !broken.empty())
-      redo({.rods = broken}, from);
+    if (const Array<std::uint32_t> broken = from.broken_now(); !broken.empty()) redo({.rods = broken}, from);
   require_same_pieces(from);
 }
 
@@ -141,7 +140,7 @@ void Step::redo(const Split& split, const Step& from) {
     now.positions.push_back(from.population_.particles.has(particle) ? from.position(particle)
                                                                      : scene.particles[particle].position);
   now.velocities.resize(fallen.particles.size());
-  const auto go_on_as_long = [&](const std::vector<std::uint32_t>& rods) {
+  const auto go_on_as_long = [&](const Array<std::uint32_t>& rods) {
     for (const std::uint32_t rod : rods) {
       now.lengths.push_back(from.population_.rods.has(rod) ? from.length(rod) : rod_length(scene, rod));
       lengths_.add(rod, now.lengths.back());

@@ -16,6 +16,7 @@ const Settings& World::settings() const {
 void World::set_settings(const Settings& settings) {
   const Settings to = settings;  // which may be those that the world shows
   Impl::require_sound(to);
+  if (to.memory != this->settings().memory) refuse("settings: memory is that with which a world began");
   const double most = farthest_coordinate(to.precision);
   for (std::uint32_t i = 0; i < particle_count(); ++i) {
     const Vec3 at = impl_->step->position(i);

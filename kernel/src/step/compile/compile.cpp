@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "direct/direct_solvers.hpp"
@@ -23,7 +24,7 @@ namespace {
 /// Lists the islands that are moved alike.
 struct Share {
   Choice choice;
-  std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
+  Array<Array<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
 class Compiler {
@@ -42,7 +43,7 @@ class Compiler {
     require_springs_moved(scene_, settings_.method);
     if (needs_contact_stage(scene_)) make_contact();
     require_elements_moved();
-    const std::vector<Share> shares = shares_of(islands_);
+    const Array<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     Compiled out = make_from(shares);
     if (!reads_stop_rule(out)) require_tolerance_read(settings_);
@@ -203,12 +204,12 @@ class Compiler {
 
   /// The contact solver is added last, so that its place of a particle is the particle's last one.
   void add_contact() {
-    std::vector<std::pair<std::uint32_t, Slot>> home(scene_.particles.size(), {none, 0});
+    Array<std::pair<std::uint32_t, Slot>> home(scene_.particles.size(), {none, 0});
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s])
         if (home[particle].first == none) home[particle] = {s, slot};
     for (const auto& [island, particles, movable] : contact_->plain_islands()) {
-      std::vector<Slot> at_home;
+      Array<Slot> at_home;
       for (std::uint32_t k = 0; k < movable; ++k) at_home.push_back(home[particles[k]].second);
       const std::uint32_t number = home[particles.front()].first;
       contact_->set_home(island, *out_.solvers[number], number, std::move(at_home));
@@ -218,14 +219,14 @@ class Compiler {
     out_.solvers.push_back(std::move(contact_));
   }
 
-  std::vector<Share> shares_of(const layouts::Islands& islands) {
-    std::vector<Share> shares;
+  Array<Share> shares_of(const layouts::Islands& islands) {
+    Array<Share> shares;
     std::vector<double> masses;
     if (settings_.precision == Precision::single) masses = lumped_masses(scene_);
     for (const auto& equal : layouts::group_equal_islands(graph_, islands)) {
       layouts::LocalGraph local;  // which method automatic alone looks at
       if (settings_.method == Method::automatic) local = layouts::local_graph(graph_, islands, equal.front());
-      std::vector<std::size_t> joined;  // shares that this set's islands went to
+      Array<std::size_t> joined;  // shares that this set's islands went to
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
         ++islands_of_rods_;
@@ -257,7 +258,7 @@ class Compiler {
   }
 
   void place_particles() {
-    std::vector<Places::Entry> entries;
+    Array<Places::Entry> entries;
     std::size_t count = 0;
     for (const auto& of_solver : slots_) count += of_solver.size();
     entries.reserve(count);
@@ -267,7 +268,7 @@ class Compiler {
     const auto rods = static_cast<std::uint32_t>(scene_.rods.size());
     const auto tackles = static_cast<std::uint32_t>(scene_.tackles.size());
     const auto reels = static_cast<std::uint32_t>(scene_.reels.size());
-    std::vector<Places::Entry> of_rods, of_lines;
+    Array<Places::Entry> of_rods, of_lines;
     of_rods.reserve(cords_.size());
     for (const auto& [cord, place] : cords_)
       if (cord < rods)
@@ -299,16 +300,16 @@ class Compiler {
   const layouts::Graph graph_;
   static constexpr std::uint32_t none = 0xffffffff;
 
-  std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
+  Array<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   const layouts::Islands islands_;
   const IslandElements elements_;
-  std::vector<Named> element_at_;  ///< by particle: its first element, once it was asked for
+  Array<Named> element_at_;  ///< by particle: its first element, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
   StartReport start_{.kinds = std::make_shared<TreeKinds>()};
-  std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
-  std::vector<Places::Entry> cords_, twists_;
+  Array<Array<MadeSolver::Place>> slots_;  ///< by solver
+  Array<Places::Entry> cords_, twists_;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "contact/contact_solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
 #include "step/inputs/cords.hpp"
@@ -13,7 +13,7 @@ namespace plumb::detail {
 
 /// Holds a scene ready for stepping: the solvers of its islands, and where every particle is.
 struct Compiled {
-  std::vector<std::unique_ptr<Solver>> solvers;
+  Array<std::unique_ptr<Solver>> solvers;
   Places places;
   CordPlaces cords;                  ///< where cords are that can be asked how they pull
   Places twists;                     ///< where twists are

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "contact/linkage/scene_parts.hpp"
 #include "interface/made_solver.hpp"
 #include "plumb/error.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
 
 /// Joins words as a sentence does.
-std::string listed(const std::vector<std::string>& words) {
+std::string listed(const Array<std::string>& words) {
   std::string out;
   for (std::size_t i = 0; i < words.size(); ++i)
     out += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
@@ -37,7 +37,7 @@ bool has_heavy_bodies(const Scene& island) {
 
 /// Lists what makes an island more than particles and rods that may touch, as is_plain() looks for it.
 std::string kinds_of_parts(const Scene& island) {
-  std::vector<std::string> out;
+  Array<std::string> out;
   const auto name = [&](bool has, const char* what) {
     if (has) out.emplace_back(what);
   };
@@ -78,7 +78,7 @@ bool moves(const MethodRow& row, const Scene& island, std::span<const std::uint3
 }  // namespace
 
 std::string methods_that(const std::function<bool(const MethodRow&)>& can) {
-  std::vector<std::string> names;
+  Array<std::string> names;
   for (const MethodRow& row : method_rows())
     if (row.method != Method::automatic && can(row)) names.emplace_back(row.name);
   if (can(method_row(Method::automatic))) names.emplace_back(to_string(Method::automatic));

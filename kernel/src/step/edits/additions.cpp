@@ -114,11 +114,11 @@ void Step::tell_of(const Names& names) {
 /// at home.
 void Step::put_in_contact(Split& now, Names names) {
   ContactSolver& contact = *compiled_.contact;
-  const std::vector<std::uint32_t> particles = names.particles;
+  const Array<std::uint32_t> particles = names.particles;
   NamedPart part{.scene = scene_of(now.added.front()), .names = std::move(names)};
   if (mass_model_of(settings_) == MassModel::lumped) lump_masses(part.scene);
   contact.numbers().give(now.islands);
-  const std::vector<ContactSolver::Made> made = contact.add(part);
+  const Array<ContactSolver::Made> made = contact.add(part);
   put_parts(made);  // compiling has counted those without a home
   now.islands = contact.numbers().made();
   double& projected = compiled_.info.projected_velocity;
@@ -130,7 +130,7 @@ void Step::put_in_contact(Split& now, Names names) {
 
 // --- Removing
 
-std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
+Array<std::uint32_t> Step::remove(std::uint32_t particle) {
   breaks_.begin();
   if (anchors_.is_fixed(particle) && !compiled_.places.of(particle).empty())
     refuse("particle ", particle, ": is fixed, and something hangs from it, which goes first");
@@ -168,12 +168,12 @@ void Step::require_mass_without(const Names& going) const {
 /// Takes an island out, with the fixed particles from which nothing hangs then. Returns what is gone.
 Names Step::take_away(std::uint32_t particle) {
   Names out = list_island(particle);
-  std::vector<std::uint32_t> leaving;
+  Array<std::uint32_t> leaving;
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
   for (const std::uint32_t number : take_grabs(leaving)) release(number);
   std::uint32_t islands = 0;
-  const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
+  const Array<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
   compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.islands -= islands;
   std::erase_if(out.particles, [&](std::uint32_t each) {
@@ -228,10 +228,10 @@ void Step::forget(const Names& gone) {
 
 /// Takes back what was ordered of what is gone.
 void Step::drop_edits(const Names& of) {
-  const auto is_gone = [](const std::vector<std::uint32_t>& list, std::uint32_t number) {
+  const auto is_gone = [](const Array<std::uint32_t>& list, std::uint32_t number) {
     return std::binary_search(list.begin(), list.end(), number);
   };
-  std::vector<std::uint32_t> waiting;
+  Array<std::uint32_t> waiting;
   for (const auto& [number, rod] : edits_.joined)
     if (is_gone(of.particles, rod.a) || is_gone(of.particles, rod.b)) waiting.push_back(number);
   take_back(waiting);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
@@ -46,7 +47,7 @@ void Step::require_simple_meeting(const std::string& what, const Edits& edits) c
 
 /// Returns whether a rod would come together with joints or shapes in the next step, and is one that cannot
 /// change its length there. `ends` are of islands that do.
-bool Step::meets_as_no_winch(std::uint32_t cord, const std::vector<std::uint32_t>& ends) const {
+bool Step::meets_as_no_winch(std::uint32_t cord, const Array<std::uint32_t>& ends) const {
   if (is_line(cord) || is_in_contact(cord) || is_broken(cord)) return false;
   const Rod& rod = breaks_.scene_now().rods[cord];
   const std::uint32_t end = rods_.end(cord);
@@ -147,8 +148,8 @@ void Step::put_joined(const Edits& edits) {
 }
 
 /// Returns the bodies that have a particle.
-std::vector<std::uint32_t> Step::bodies_at(std::uint32_t particle) const {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> Step::bodies_at(std::uint32_t particle) const {
+  Array<std::uint32_t> out;
   const std::vector<Body>& bodies = breaks_.scene_now().bodies;
   for (std::uint32_t i = 0; i < bodies.size(); ++i)
     if (population_.bodies.has(i) &&
@@ -267,7 +268,7 @@ void Step::refix(const Edits& edits) {
     else
       anchors_.free(particle);
     loads_.fix(particle, is_fixed);
-    std::vector<std::uint32_t> rods;
+    Array<std::uint32_t> rods;
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
       if (breaks_.joins_ends(rod)) rods.push_back(rod);
       const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <set>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "step/step.hpp"
 
 namespace plumb::detail {
@@ -13,8 +13,8 @@ namespace {
 constexpr double drawn = 1e-6;
 
 /// Returns so many numbers of solvers that are free, the first ones. The last may be new.
-std::vector<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
-  std::vector<std::uint32_t> numbers;
+Array<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
+  Array<std::uint32_t> numbers;
   for (std::uint32_t s = 0; numbers.size() < count; ++s)
     if (s >= seats.size() || seats[s] == Seat::free) numbers.push_back(s);
   return numbers;
@@ -28,8 +28,8 @@ void wind(Rod& rod, double described, double now) {
 }
 
 /// Returns the rods that broke in the last step, and whose islands are still as they were.
-std::vector<std::uint32_t> Step::broken_now() const {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> Step::broken_now() const {
+  Array<std::uint32_t> out;
   for (const std::uint32_t rod : breaks_.weak()) {
     if (breaks_.is_out(rod)) continue;
     const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
@@ -70,9 +70,9 @@ void Step::split(StepReport&) {
 
 /// Returns the log's group of what is done: of all particles that it names.
 Log::Group Step::group_of(const Fallen& fallen, const Split& now) {
-  std::vector<std::uint32_t> particles = fallen.touched;
+  Array<std::uint32_t> particles = fallen.touched;
   const auto add_ends = [&](const Rod& rod) { particles.insert(particles.end(), {rod.a, rod.b}); };
-  for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
+  for (const Array<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
     for (const std::uint32_t rod : *rods) add_ends(breaks_.scene_now().rods[rod]);
   for (const Joined& each : now.edits.joined) add_ends(each.rod);
   for (const auto& [particle, mass] : now.edits.masses) particles.push_back(particle);
@@ -100,7 +100,7 @@ void Step::repeat(Split split_then) {
 
 /// Lets new solvers move what fell apart or was edited, if anything did.
 void Step::split(Fallen fallen, Split& now) {
-  for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
+  for (const Array<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
     for (const std::uint32_t rod : *rods) {
       compiled_.cords.replace(rod, {});
       if (settings_.events) events_.set_broken(rod, true);  // a cut is ordered, and no event
@@ -164,7 +164,7 @@ Settings Step::settings_of_now() const {
 
 /// Lets new solvers move islands that fell apart, from where they are.
 void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
-  std::vector<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
+  Array<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     if (anchors_.is_fixed(fallen.particles[k])) continue;
     const Place& place = compiled_.places.of(fallen.particles[k]).front();
@@ -177,18 +177,18 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
                                     [&](double each) { return each == longest || each == 0; });
     substeps.assign(substeps.size(), is_one ? longest : 0);
   }
-  const std::vector<std::uint8_t> slept = were_asleep(fallen.particles);
-  const std::vector<std::uint8_t> linkages_slept = were_asleep(fallen.of_linkages);
-  const std::vector<std::uint32_t> grabs = take_grabs(fallen.leaving);
+  const Array<std::uint8_t> slept = were_asleep(fallen.particles);
+  const Array<std::uint8_t> linkages_slept = were_asleep(fallen.of_linkages);
+  const Array<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
-  std::vector<ContactSolver::Made> parts;
+  Array<ContactSolver::Made> parts;
   if (!fallen.parts.empty()) {
     compiled_.contact->numbers().give(now.islands);
     parts = make_parts(fallen);
     now.islands = compiled_.contact->numbers().made();
   }
   std::uint32_t islands = 0;
-  const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
+  const Array<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
   for (const std::uint32_t twist : fallen.leaving_twists) compiled_.twists.replace(twist, {});
   free_seats(solvers);
@@ -212,9 +212,8 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
 /// Takes islands of particles out of their solvers for good, and their places from all that are touched.
 /// Returns the solvers that they had. Adds up how many islands went. Runs of places are to be found after
 /// that.
-std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> leaving,
-                                               std::span<const std::uint32_t> touched,
-                                               std::uint32_t& islands) {
+Array<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> leaving,
+                                         std::span<const std::uint32_t> touched, std::uint32_t& islands) {
   using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
   std::set<IslandOfSolver> gone;
   IslandOfSolver last{};       // that was found to be gone, as that of the next particle mostly is
@@ -235,7 +234,7 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
       solver(places[k]).remove(places[k].slot);
     }
   }
-  std::vector<Place> left;
+  Array<Place> left;
   for (const std::uint32_t particle : touched) {
     left.clear();
     for (const Place& place : compiled_.places.of(particle)) {
@@ -250,7 +249,7 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
   }
   if (settings_.events)
     for (const std::uint32_t particle : leaving) events_.remove_head(particle);
-  std::vector<std::uint32_t> solvers;
+  Array<std::uint32_t> solvers;
   for (const auto& [number, island] : gone)
     if (solvers.empty() || solvers.back() != number) solvers.push_back(number);
   islands += static_cast<std::uint32_t>(gone.size()) - visitors;
@@ -269,7 +268,7 @@ void Step::free_seats(std::span<const std::uint32_t> solvers) {
 }
 
 /// Gives new solvers the numbers `seats`, or if there are none, the first ones that are free, and says which.
-void Step::seat(std::vector<std::unique_ptr<Solver>> made, std::vector<std::uint32_t>& seats) {
+void Step::seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats) {
   if (seats.empty()) seats = free_numbers(made.size(), seats_);
   for (std::size_t k = 0; k < seats.size(); ++k) {
     const std::uint32_t number = seats[k];
@@ -294,7 +293,7 @@ std::uint32_t Step::relaxed_rods_of(const Solver& solver) const {
 
 /// Leads from particles, rods and tackles to where new solvers of these numbers have them.
 void Step::put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers) {
-  std::vector<Place> left;
+  Array<Place> left;
   const auto add = [&](std::span<const Place> places) {
     for (const Place& place : places) left.push_back({numbers[place.solver], place.slot});
   };
@@ -356,7 +355,7 @@ void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const dou
 /// Brings rods to their lengths that anchors had drawn too far, where one of these is freed: without a blow,
 /// as at a start.
 void Step::fit_freed(const Fallen& fallen, const Split& now) {
-  std::vector<std::uint32_t> off;
+  Array<std::uint32_t> off;
   for (std::size_t k = 0; !now.edits.fixed.empty() && k < fallen.rods.size(); ++k) {
     const Rod& rod = fallen.scene.rods[k];
     const auto at = [&](std::uint32_t particle) { return fallen.scene.particles[particle].position; };

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 #include <unordered_map>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "scene/project_velocities.hpp"
 #include "scene/refuse.hpp"
 #include "step/step.hpp"
@@ -35,10 +35,10 @@ class Stretching {
   }
   /// Returns velocities (m/s) that stretch nothing but what is wound, or none if rods are stretched no
   /// faster than before.
-  std::vector<Vec3> projected() const {
-    std::vector<Vec3> out;
+  Array<Vec3> projected() const {
+    Array<Vec3> out;
     if (!is_worse_) return out;
-    std::vector<double> inverse_masses;
+    Array<double> inverse_masses;
     for (const Particle& particle : scene_.particles) {
       out.push_back(particle.velocity);
       inverse_masses.push_back(1 / particle.mass);
@@ -49,7 +49,7 @@ class Stretching {
 
  private:
   Scene scene_;
-  std::vector<double> wanted_;  ///< m/s, by rod
+  Array<double> wanted_;  ///< m/s, by rod
   bool is_worse_ = false;
 };
 
@@ -101,7 +101,7 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
 /// go on at the rate of the last step, which solvers go by. at(anchor) says where a fixed particle will be.
 /// Sweeps do that by themselves where they move an island.
 template <class At>
-void Step::keep_lengths(std::vector<Motion>& motions, At&& at) const {
+void Step::keep_lengths(Array<Motion>& motions, At&& at) const {
   constexpr double immovable = 1e12;  // times the mass of what hangs from it: an anchor may move
   Stretching stretching;
   std::unordered_map<std::uint32_t, std::uint32_t> number;
@@ -134,7 +134,7 @@ void Step::keep_lengths(std::vector<Motion>& motions, At&& at) const {
                          Stretching::stretching_rate(way, speed(of.b) - speed(of.a)), lengths_.rate(rod));
     }
   }
-  const std::vector<Vec3> velocities = stretching.projected();
+  const Array<Vec3> velocities = stretching.projected();
   for (std::size_t k = 0; k < motions.size() && !velocities.empty(); ++k) motions[k].velocity = velocities[k];
 }
 
@@ -150,7 +150,7 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
   };
   require_fit(particles, at);
   // All particles of an island get their motion at once, so that those that stay are read before.
-  std::vector<Motion> motions;
+  Array<Motion> motions;
   const auto add = [&](std::uint32_t particle) {
     const auto found = number.find(particle);
     if (found == number.end())
@@ -169,7 +169,7 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
     for (const Place& place : compiled_.places.of(particles[k]))
       solver(place).place_anchor(place.slot, positions[k]);
   }
-  std::vector<double> substeps;
+  Array<double> substeps;
   for (const Motion& motion : motions) {
     put_force(motion.particle, loads_.force(motion.particle));  // which wakes it
     const Place& home = compiled_.places.of(motion.particle).front();

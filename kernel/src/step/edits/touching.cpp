@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
-#include <vector>
 
 #include "contact/linkage/scene_parts.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/bends/bends.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/methods.hpp"
@@ -172,12 +172,12 @@ void Step::pack(Ids& parts) {
 
 /// Makes the contact solver's islands anew. Those that come together are looked at as one scene, as it is
 /// now.
-std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
+Array<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
   ContactSolver& contact = *compiled_.contact;
   Ids apart;
   std::set_difference(fallen.parts.begin(), fallen.parts.end(), fallen.met.begin(), fallen.met.end(),
                       std::back_inserter(apart));
-  std::vector<ContactSolver::Made> out = contact.make_anew(apart, fallen.part_edits);
+  Array<ContactSolver::Made> out = contact.make_anew(apart, fallen.part_edits);
   if (fallen.met.empty()) return out;
   NamedPart homes, others = fallen.held;
   homes.names.particles = fallen.particles;
@@ -190,7 +190,7 @@ std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
     scene->joint_drag = joint_drag();
     if (mass_model_of(settings_) == MassModel::lumped) lump_masses(*scene);
   }
-  const std::vector<ContactSolver::Made> made = contact.make_met(
+  const Array<ContactSolver::Made> made = contact.make_met(
       {fallen.met, fallen.part_edits, std::move(homes), std::move(others), breaks_.scene_now()});
   out.insert(out.end(), made.begin(), made.end());
   return out;
@@ -220,13 +220,13 @@ std::uint32_t Step::put_parts(std::span<const ContactSolver::Made> made) {
       std::find_if(compiled_.solvers.begin(), compiled_.solvers.end(),
                    [&](const auto& each) { return each.get() == compiled_.contact; }) -
       compiled_.solvers.begin());
-  std::vector<Place> places;
+  Array<Place> places;
   std::uint32_t homeless = 0;
   for (const auto& [island, visits] : made) {
     const auto particles = contact.particles_of(island);
     const Slot first = contact.first_slot(island);
     if (contact.may_go_home(first)) {
-      std::vector<Slot> at_home;
+      Array<Slot> at_home;
       for (const std::uint32_t particle : particles.first(contact.movable_of(island)))
         at_home.push_back(compiled_.places.of(particle).front().slot);
       const std::uint32_t home = compiled_.places.of(particles.front()).front().solver;

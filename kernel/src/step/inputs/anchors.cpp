@@ -66,8 +66,8 @@ void Anchors::free(std::uint32_t particle) {
 
 void Anchors::grow(std::size_t particles) {
   if (particles <= fixed_.size()) return;
-  for (std::vector<std::uint8_t>* const of : {&fixed_, &will_be_fixed_}) of->resize(particles, 1);
-  for (std::vector<Vec3>* const of : {&positions_, &targets_}) of->resize(particles);
+  for (Array<std::uint8_t>* const of : {&fixed_, &will_be_fixed_}) of->resize(particles, 1);
+  for (Array<Vec3>* const of : {&positions_, &targets_}) of->resize(particles);
   has_target_.resize(particles, 0);
 }
 

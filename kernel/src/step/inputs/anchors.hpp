@@ -5,9 +5,9 @@
 #include <cstring>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {
@@ -26,7 +26,7 @@ class Anchors {
   }
   /// Returns whether it is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return will_be_fixed_[particle] != 0; }
-  const std::vector<std::uint8_t>& will_be_fixed() const { return will_be_fixed_; }
+  const Array<std::uint8_t>& will_be_fixed() const { return will_be_fixed_; }
   /// Says so. What is not to be fixed after all forgets where it was to go.
   void order(std::uint32_t particle, bool is_fixed);
   /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now. It came
@@ -100,8 +100,7 @@ class Anchors {
   /// Calls f(particle) for each that has a 1 in either of two lists. Most have none, and are passed over by
   /// many at once.
   template <class F>
-  static void for_any_of(F&& f, const std::vector<std::uint8_t>& one,
-                         const std::vector<std::uint8_t>& other) {
+  static void for_any_of(F&& f, const Array<std::uint8_t>& one, const Array<std::uint8_t>& other) {
     constexpr std::size_t many = 64;
     const auto eight_of = [&](std::size_t first) {
       std::uint64_t a = 0, b = 0;
@@ -122,15 +121,15 @@ class Anchors {
       if (one[first] != 0 || other[first] != 0) f(static_cast<std::uint32_t>(first));
   }
 
-  std::vector<std::uint8_t> fixed_, will_be_fixed_;  ///< by particle
-  std::vector<Vec3> positions_, targets_;            ///< m, by particle; entries of movable ones are unused
-  std::vector<std::uint8_t> has_target_;
-  std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
-  std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step
-  std::vector<std::uint32_t> settling_;   ///< solvers that learned of paths in the last step
-  std::vector<std::pair<std::uint32_t, AnchorMove>> moved_;  ///< in the last step
-  double dt_ = 0;                                            ///< s, of that step
-  std::vector<std::uint8_t> is_concerned_;
+  Array<std::uint8_t> fixed_, will_be_fixed_;  ///< by particle
+  Array<Vec3> positions_, targets_;            ///< m, by particle; entries of movable ones are unused
+  Array<std::uint8_t> has_target_;
+  Array<std::uint32_t> moving_;                        ///< particles with a target of their own
+  Array<std::uint32_t> concerned_;                     ///< solvers that learn of paths in this step
+  Array<std::uint32_t> settling_;                      ///< solvers that learned of paths in the last step
+  Array<std::pair<std::uint32_t, AnchorMove>> moved_;  ///< in the last step
+  double dt_ = 0;                                      ///< s, of that step
+  Array<std::uint8_t> is_concerned_;
 };
 
 template <class Archive>

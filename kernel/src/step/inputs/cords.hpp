@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {
@@ -21,7 +21,7 @@ template <class T>
 class CordTable {
  public:
   CordTable() = default;
-  CordTable(std::vector<T> rods, std::vector<T> lines) : rods_(std::move(rods)), lines_(std::move(lines)) {}
+  CordTable(Array<T> rods, Array<T> lines) : rods_(std::move(rods)), lines_(std::move(lines)) {}
 
   const T& operator[](std::uint32_t cord) const {
     return is_line(cord) ? lines_[cord - first_line] : rods_[cord];
@@ -36,7 +36,7 @@ class CordTable {
   }
 
  private:
-  std::vector<T> rods_, lines_;
+  Array<T> rods_, lines_;
 };
 
 /// Leads from cords to places.

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "interface/solver.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/loads.hpp"
 #include "step/breaks/numbers.hpp"
 #include "step/places.hpp"
@@ -119,8 +119,8 @@ class Grabs {
   static void for_shares(const Entry& entry, const Places& places, Solvers solvers, F&& f);
 
   Numbers numbers_{0};
-  std::vector<Entry> entries_;  ///< by number
-  std::uint32_t count_ = 0;     ///< of those that there are
+  Array<Entry> entries_;     ///< by number
+  std::uint32_t count_ = 0;  ///< of those that there are
 };
 
 }  // namespace plumb::detail

@@ -7,7 +7,7 @@
 namespace plumb::detail {
 
 Lengths::Lengths(const Scene& scene) {
-  std::vector<double> rods, lines;
+  Array<double> rods, lines;
   for (std::size_t i = 0; i < scene.rods.size(); ++i) rods.push_back(rod_length(scene, i));
   if (!scene.reels.empty()) {
     const RodTable table(scene);
@@ -29,7 +29,7 @@ void Lengths::grow(std::size_t rods, std::size_t lines) {
 
 void Lengths::remove(std::uint32_t cord) {
   if (is_changed_[cord] != 0)
-    for (std::vector<std::uint32_t>* const list : {&changed_, &moving_, &stopped_}) std::erase(*list, cord);
+    for (Array<std::uint32_t>* const list : {&changed_, &moving_, &stopped_}) std::erase(*list, cord);
   is_changed_[cord] = is_moving_[cord] = 0;
   rates_[cord] = rates_before_[cord] = 0;
 }

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "step/inputs/cords.hpp"
 
@@ -65,8 +65,8 @@ class Lengths {
   CordTable<double> rates_, rates_before_;  ///< m/s
   CordTable<std::uint8_t> is_moving_;       ///< 2 if it has a target for the next step
   CordTable<std::uint8_t> is_changed_;
-  std::vector<std::uint32_t> changed_;  ///< They have ever had a target, in the order of their first.
-  std::vector<std::uint32_t> moving_, stopped_;  ///< The latter stood in the last step, after they moved.
+  Array<std::uint32_t> changed_;           ///< They have ever had a target, in the order of their first.
+  Array<std::uint32_t> moving_, stopped_;  ///< The latter stood in the last step, after they moved.
 };
 
 }  // namespace plumb::detail

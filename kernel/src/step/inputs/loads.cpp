@@ -23,7 +23,7 @@ void Loads::set(Load load) {
 
 /// Makes the space that a load needs, so that steps allocate nothing.
 void Loads::make_room(std::size_t particles) {
-  for (std::vector<Vec3>* const of : {&loaded_, &asked_, &positions_, &velocities_, &last_velocities_})
+  for (Array<Vec3>* const of : {&loaded_, &asked_, &positions_, &velocities_, &last_velocities_})
     of->resize(particles);
 }
 
@@ -42,7 +42,7 @@ void Loads::add(std::uint32_t particle, bool is_fixed, Vec3 velocity) {
 
 void Loads::remove(std::uint32_t particle) {
   fix(particle, true);
-  for (std::vector<Vec3>* const of : {&loaded_, &asked_, &last_velocities_})
+  for (Array<Vec3>* const of : {&loaded_, &asked_, &last_velocities_})
     if (!of->empty()) (*of)[particle] = {};
 }
 

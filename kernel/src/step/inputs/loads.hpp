@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/loads.hpp"
 #include "plumb/scene.hpp"
 
@@ -91,12 +91,12 @@ class Loads {
   void make_room(std::size_t particles);
 
   Load load_;
-  std::vector<bool> fixed_;
-  bool any_constant_ = false;                    ///< A constant force was ever set.
-  std::vector<Vec3> constant_, loaded_, asked_;  ///< N, by particle; the last two once there was a load
-  std::vector<Vec3> positions_, velocities_;     ///< as the load sees them
-  std::vector<Vec3> last_velocities_;            ///< m/s, at the start of the last step
-  double last_dt_ = 0;                           ///< s, or 0 if there was no last step
+  Array<bool> fixed_;
+  bool any_constant_ = false;              ///< A constant force was ever set.
+  Array<Vec3> constant_, loaded_, asked_;  ///< N, by particle; the last two once there was a load
+  Array<Vec3> positions_, velocities_;     ///< as the load sees them
+  Array<Vec3> last_velocities_;            ///< m/s, at the start of the last step
+  double last_dt_ = 0;                     ///< s, or 0 if there was no last step
 };
 
 }  // namespace plumb::detail

@@ -37,8 +37,8 @@ void Step::wake_grabbed(std::uint32_t number) {
 }
 
 /// Takes the grabs of these particles from solvers that are about to end. Returns which those are.
-std::vector<std::uint32_t> Step::take_grabs(std::span<const std::uint32_t> particles) {
-  std::vector<std::uint32_t> out;
+Array<std::uint32_t> Step::take_grabs(std::span<const std::uint32_t> particles) {
+  Array<std::uint32_t> out;
   grabs_.for_grabs_of(
       [&](std::uint32_t particle) {
         return std::find(particles.begin(), particles.end(), particle) != particles.end();

@@ -24,7 +24,7 @@ void Step::set_length(std::uint32_t cord, double target) {
       refuse("rod ", cord, ": its length cannot change, since both its ends are fixed in the next step");
   }
   if (edits_.any() && compiled_.contact) {
-    const std::vector<std::uint32_t> ends = meeting(edits_);
+    const Array<std::uint32_t> ends = meeting(edits_);
     const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
     if (std::any_of(ends.begin(), ends.end(), is_known) && meets_as_no_winch(cord, ends))
       refuse("rod ", cord, ": its length cannot change, since its island has joints or shapes in the next ",

@@ -38,7 +38,7 @@ static void visit_members(Digest& to, Scene& of) {
 static void visit_members(Digest& to, Settings& of) {
   auto& [method, precision, gradient, mass, weights, order, omega, substeps, time_order, accuracy, most_work,
          stop, integrator, springs, multipliers, sleep, tensions, contacts, events, sleep_time, contact,
-         layout, isa, threads, executor] = of;
+         layout, isa, threads, executor, memory, most_memory] = of;
   to(method, precision, gradient, mass, order, omega, substeps, time_order, accuracy, most_work, integrator,
      springs, multipliers, sleep, tensions, contacts, events, sleep_time, contact, layout);
 }

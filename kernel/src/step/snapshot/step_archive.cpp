@@ -14,7 +14,7 @@ void Step::archive_past(Archive& archive) {
 }
 
 std::unique_ptr<Step> Step::restored_past(Archive& archive) {
-  std::vector<Split> splits;
+  Array<Split> splits;
   Population population = population_;
   std::uint32_t seats = 0, islands = 0;
   archive(splits, population, seats, islands);
@@ -31,8 +31,7 @@ std::unique_ptr<Step> Step::restored_past(Archive& archive) {
 
 /// Does again all that a world of this scene and these settings did, with the seats of its solvers and the
 /// numbers of contact's islands.
-void Step::relive(std::vector<Split> splits, Population& population, std::uint32_t seats,
-                  std::uint32_t islands) {
+void Step::relive(Array<Split> splits, Population& population, std::uint32_t seats, std::uint32_t islands) {
   std::swap(population_, population);
   if (!(population_ == population)) {
     breaks_.begin();

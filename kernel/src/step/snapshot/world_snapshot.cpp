@@ -43,8 +43,8 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 }  // namespace
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
-  auto& [step, fixed, precision, twists, of_kind, platforms, targets, chains, bodies, positions, velocities,
-         tensions, contacts, events, time, fingerprint] = of;
+  auto& [memory, step, fixed, precision, twists, of_kind, platforms, targets, chains, bodies, positions,
+         velocities, tensions, contacts, events, time, log, fingerprint] = of;
   archive(time, platforms, targets);
 }
 

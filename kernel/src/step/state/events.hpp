@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "interface/archive.hpp"
 #include "interface/problems.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/report.hpp"
 
 namespace plumb::detail {
@@ -60,7 +60,7 @@ class Events {
     was_broken_[rod] = 1;
   }
   /// Gives room for the troubles of tasks.
-  std::vector<Troubles>& troubles() { return troubles_; }
+  Array<Troubles>& troubles() { return troubles_; }
   /// Appends the troubles of islands, by the heads that they are told of. They come in the order of heads.
   void add_troubles(Troubles troubles, std::uint32_t head);
   /// Puts what was appended in order of kinds.
@@ -76,10 +76,10 @@ class Events {
   }
 
  private:
-  std::vector<std::uint32_t> heads_;                             ///< sorted
-  std::vector<std::uint8_t> is_head_, was_asleep_, was_broken_;  ///< by particle, and by rod
-  std::vector<Event> list_;
-  std::vector<Troubles> troubles_;
+  Array<std::uint32_t> heads_;                             ///< sorted
+  Array<std::uint8_t> is_head_, was_asleep_, was_broken_;  ///< by particle, and by rod
+  Array<Event> list_;
+  Array<Troubles> troubles_;
   std::optional<std::uint64_t> seen_;  ///< changes of sleep, when it was listed last
 };
 

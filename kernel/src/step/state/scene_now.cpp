@@ -7,6 +7,7 @@
 #include "contact/platforms/platforms.hpp"
 #include "contact/surroundings.hpp"
 #include "plumb/joints.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "scene/barycentric.hpp"
 #include "scene/bends/bends.hpp"
 #include "scene/bends/rod_table.hpp"
@@ -217,7 +218,7 @@ class Present {
   const Scene& all_;
   const Population& there_;
   Scene out_;
-  std::vector<std::uint32_t> particles_, bodies_;  ///< by number in the world: that in the scene
+  Array<std::uint32_t> particles_, bodies_;  ///< by number in the world: that in the scene
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ bool Step::is_asleep(std::uint32_t particle) const {
 /// Finds the heads of islands among particles which have places now. They are as they are, with no event.
 void Step::find_heads(std::span<const std::uint32_t> particles) {
   if (!settings_.events) return;
-  std::vector<std::uint32_t> sorted(particles.begin(), particles.end());
+  Array<std::uint32_t> sorted(particles.begin(), particles.end());
   std::sort(sorted.begin(), sorted.end());
   std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
   for (const std::uint32_t particle : sorted) {
@@ -33,8 +33,8 @@ void Step::find_heads(std::span<const std::uint32_t> particles) {
 
 /// Returns of each of the particles of whole islands whether its island was asleep at the end of the last
 /// step.
-std::vector<std::uint8_t> Step::were_asleep(std::span<const std::uint32_t> particles) const {
-  std::vector<std::uint8_t> out(particles.size(), 0);
+Array<std::uint8_t> Step::were_asleep(std::span<const std::uint32_t> particles) const {
+  Array<std::uint8_t> out(particles.size(), 0);
   if (!settings_.events) return out;
   std::set<std::pair<std::uint32_t, std::uint32_t>> asleep;
   const auto island_of = [&](std::uint32_t particle) {
@@ -66,7 +66,7 @@ void Step::list_events(StepReport& report) {
         events_.add_broken(rod, rods_.end(rod), breaks_.scene_now().rods[rod].law.strength);
   const std::span<const Task> tasks = std::as_const(sleep_).tasks();
   if (std::any_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.troubles != 0; })) {
-    std::vector<Troubles>& troubles = events_.troubles();
+    Array<Troubles>& troubles = events_.troubles();
     troubles.clear();
     // What lasts through sleep is told while its island is awake.
     for (const Task& task : tasks)

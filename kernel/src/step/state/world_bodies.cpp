@@ -27,14 +27,14 @@ std::uint32_t World::body_count() const {
 
 Pose World::pose(std::uint32_t body) const {
   impl_->require_body(body);
-  const auto position = [&](std::uint32_t particle) { return impl_->step->position(particle); };
+  const auto position = [&](std::uint32_t particle) { return (*impl_->step).position(particle); };
   return impl_->bodies.pose(body, read_four(impl_->bodies, body, position));
 }
 
 BodyMotion World::motion(std::uint32_t body) const {
   impl_->require_body(body);
-  const auto position = [&](std::uint32_t particle) { return impl_->step->position(particle); };
-  const auto velocity = [&](std::uint32_t particle) { return impl_->step->velocity(particle); };
+  const auto position = [&](std::uint32_t particle) { return (*impl_->step).position(particle); };
+  const auto velocity = [&](std::uint32_t particle) { return (*impl_->step).velocity(particle); };
   return impl_->bodies.motion(body, read_four(impl_->bodies, body, position),
                               read_four(impl_->bodies, body, velocity));
 }

@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
@@ -31,9 +32,7 @@ class AlignedBuffer {
   AlignedBuffer() = default;
   /// Allocates `size` numbers, all zero. Throws std::bad_alloc if there is no room.
   explicit AlignedBuffer(std::size_t size)
-      : data_(size ? static_cast<T*>(::operator new (size * sizeof(T), std::align_val_t{alignment}))
-                   : nullptr),
-        size_(size) {
+      : data_(size ? static_cast<T*>(allocate_noted(size * sizeof(T), alignment)) : nullptr), size_(size) {
     for (std::size_t i = 0; i < size_; ++i) data_[i] = T{};
   }
   /// Takes the numbers of another, which is left empty.
@@ -45,7 +44,7 @@ class AlignedBuffer {
     std::swap(size_, other.size_);
     return *this;
   }
-  ~AlignedBuffer() { ::operator delete (data_, std::align_val_t{alignment}); }
+  ~AlignedBuffer() { deallocate_noted(data_, size_ * sizeof(T), alignment); }
 
   /// @{
   /// The numbers, their count, and one of them. Indices are not checked.

@@ -1,16 +1,16 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
 /// A colour for every edge. Edges of one colour share no movable vertex and can be solved at once.
 struct Coloring {
-  std::vector<std::uint32_t> color_of_edge;  ///< Colour of every edge, numbered from 0.
-  std::uint32_t colors = 0;                  ///< Number of colours.
+  Array<std::uint32_t> color_of_edge;  ///< Colour of every edge, numbered from 0.
+  std::uint32_t colors = 0;            ///< Number of colours.
 };
 
 /// Colours edges so that two edges that share a movable vertex get different colours.

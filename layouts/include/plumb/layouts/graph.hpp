@@ -2,7 +2,8 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
@@ -33,8 +34,8 @@ struct Graph {
 
 /// The edges at every vertex, fixed ones included, as compressed rows.
 struct Incidence {
-  std::vector<std::uint32_t> edge_begin;  ///< Start of each vertex's row; vertices + 1 entries.
-  std::vector<std::uint32_t> edge_list;   ///< Ids of edges, two entries per edge.
+  Array<std::uint32_t> edge_begin;  ///< Start of each vertex's row; vertices + 1 entries.
+  Array<std::uint32_t> edge_list;   ///< Ids of edges, two entries per edge.
 
   /// Ids of the edges at `vertex`, ascending.
   std::span<const std::uint32_t> edges(std::uint32_t vertex) const {
@@ -54,7 +55,7 @@ inline Incidence edges_by_vertex(const Graph& graph) {
     ++result.edge_begin[edge.b + std::size_t{1}];
   }
   for (std::size_t v = 0; v < graph.vertices; ++v) result.edge_begin[v + 1] += result.edge_begin[v];
-  std::vector<std::uint32_t> next(result.edge_begin.begin(), result.edge_begin.end() - 1);
+  Array<std::uint32_t> next(result.edge_begin.begin(), result.edge_begin.end() - 1);
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
     result.edge_list[next[graph.edges[e].a]++] = e;
     result.edge_list[next[graph.edges[e].b]++] = e;

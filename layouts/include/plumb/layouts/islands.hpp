@@ -2,18 +2,18 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
 /// Independent parts of a graph, as compressed rows: island i owns entries [begin[i], begin[i + 1]).
 struct Islands {
-  std::vector<std::uint32_t> vertex_begin;  ///< Start of each island's vertices; count() + 1 entries.
-  std::vector<std::uint32_t> vertex_list;   ///< Vertices, island after island.
-  std::vector<std::uint32_t> edge_begin;    ///< Start of each island's edges; count() + 1 entries.
-  std::vector<std::uint32_t> edge_list;     ///< Edges, island after island.
+  Array<std::uint32_t> vertex_begin;  ///< Start of each island's vertices; count() + 1 entries.
+  Array<std::uint32_t> vertex_list;   ///< Vertices, island after island.
+  Array<std::uint32_t> edge_begin;    ///< Start of each island's edges; count() + 1 entries.
+  Array<std::uint32_t> edge_list;     ///< Edges, island after island.
 
   /// Number of islands.
   std::uint32_t count() const {
@@ -39,8 +39,8 @@ Islands find_islands(const Graph& graph);
 
 /// One island as a graph of its own.
 struct LocalGraph {
-  std::vector<Edge> edges;            ///< Edges, by local vertices.
-  std::vector<std::uint8_t> movable;  ///< One per vertex: 0 if it is fixed, else 1.
+  Array<Edge> edges;            ///< Edges, by local vertices.
+  Array<std::uint8_t> movable;  ///< One per vertex: 0 if it is fixed, else 1.
 
   /// The same as a view, valid while this object lives and is not changed.
   Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
@@ -56,6 +56,6 @@ LocalGraph local_graph(const Graph& graph, const Islands& islands, std::uint32_t
 /// Groups islands with the same local graph: same number of vertices, movable flags and edges, direction
 /// included. Every island is in exactly one group; groups are ascending inside and ordered by their first
 /// island. Near linear time in the size of the graph.
-std::vector<std::vector<std::uint32_t>> group_equal_islands(const Graph& graph, const Islands& islands);
+Array<Array<std::uint32_t>> group_equal_islands(const Graph& graph, const Islands& islands);
 
 }  // namespace plumb::layouts

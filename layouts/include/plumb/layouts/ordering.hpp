@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
@@ -17,7 +17,7 @@ namespace plumb::layouts {
 /// The given order is kept unless the new one has a smaller bandwidth between movable vertices. Of equals the
 /// bandwidth over all edges decides, then the total length of edges. The result is deterministic and costs
 /// O(E log E).
-std::vector<std::uint32_t> bandwidth_reducing_order(const Graph& graph);
+Array<std::uint32_t> bandwidth_reducing_order(const Graph& graph);
 
 /// The largest distance between the positions of an edge's ends; 0 without edges. `order` is a permutation of
 /// the vertices.

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "plumb/layouts/coloring.hpp"
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/shapes.hpp"
 
 namespace plumb::layouts {
@@ -51,24 +51,24 @@ struct Packing {
   std::uint32_t lanes = 0;              ///< Edges per vector.
   std::uint32_t colors = 0;             ///< Colours that a sweep visits.
 
-  std::uint32_t elements = 0;              ///< Numbers per particle array.
-  std::uint32_t component_stride = 0;      ///< Elements from x to y and from y to z.
-  std::uint32_t streams = 1;               ///< Streams of a particle array.
-  std::uint32_t stream_pitch = 0;          ///< Elements from one stream to the next.
-  std::uint32_t position_elements = 0;     ///< Elements of a position in each stream.
-  std::vector<std::uint32_t> slot_offset;  ///< Element of each slot's x.
-  std::vector<std::uint32_t> slot_vertex;  ///< The vertex that each slot holds.
-  std::vector<std::uint32_t> slot_island;  ///< The island of that vertex.
-  std::vector<std::uint8_t>
+  std::uint32_t elements = 0;           ///< Numbers per particle array.
+  std::uint32_t component_stride = 0;   ///< Elements from x to y and from y to z.
+  std::uint32_t streams = 1;            ///< Streams of a particle array.
+  std::uint32_t stream_pitch = 0;       ///< Elements from one stream to the next.
+  std::uint32_t position_elements = 0;  ///< Elements of a position in each stream.
+  Array<std::uint32_t> slot_offset;     ///< Element of each slot's x.
+  Array<std::uint32_t> slot_vertex;     ///< The vertex that each slot holds.
+  Array<std::uint32_t> slot_island;     ///< The island of that vertex.
+  Array<std::uint8_t>
       slot_duplicate;  ///< 1 if another slot of this packing holds the same vertex for results.
 
-  std::uint32_t positions = 1;           ///< Number of positions.
-  std::uint32_t position_vectors = 0;    ///< Vectors of each.
-  std::vector<Stage> stages;             ///< Stages of a sweep, in order.
-  std::uint32_t within_stages = 0;       ///< Stages inside a position; the rest are across stages.
-  std::vector<std::uint32_t> address_a;  ///< Element of end a's x, per vector (rows) or per edge.
-  std::vector<std::uint32_t> address_b;  ///< The same for end b.
-  std::vector<std::uint32_t> lane_edge;  ///< Per lane the edge, or `none` for padding.
+  std::uint32_t positions = 1;         ///< Number of positions.
+  std::uint32_t position_vectors = 0;  ///< Vectors of each.
+  Array<Stage> stages;                 ///< Stages of a sweep, in order.
+  std::uint32_t within_stages = 0;     ///< Stages inside a position; the rest are across stages.
+  Array<std::uint32_t> address_a;      ///< Element of end a's x, per vector (rows) or per edge.
+  Array<std::uint32_t> address_b;      ///< The same for end b.
+  Array<std::uint32_t> lane_edge;      ///< Per lane the edge, or `none` for padding.
 
   /// Vectors of the whole block.
   std::uint32_t vectors() const { return positions * position_vectors; }
@@ -106,10 +106,10 @@ Packing pack_lanes(std::span<const Piece> pieces, const Graph& local, const Colo
 
 /// Any island, with its local graph, colours and vertex order.
 struct IndexedPiece {
-  Piece piece;                              ///< Its vertices and edges.
-  Graph local;                              ///< Its local graph.
-  Coloring coloring;                        ///< Colours of its edges.
-  std::vector<std::uint32_t> vertex_order;  ///< Order in memory; empty means as given.
+  Piece piece;                        ///< Its vertices and edges.
+  Graph local;                        ///< Its local graph.
+  Coloring coloring;                  ///< Colours of its edges.
+  Array<std::uint32_t> vertex_order;  ///< Order in memory; empty means as given.
 };
 /// Packs any islands in one block, with an address per edge. `common` is by global edge id; such edges come
 /// first within a colour. `element_bytes` is 4 for float and 8 for double.

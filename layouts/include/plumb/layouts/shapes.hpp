@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
@@ -12,11 +12,11 @@ enum class Shape : std::uint8_t { chain, grid, graph };
 
 /// A shape and the order of vertices and edges along it. The orders are empty for Shape::graph.
 struct ShapeInfo {
-  Shape shape = Shape::graph;               ///< The shape.
-  std::vector<std::uint32_t> vertex_order;  ///< Vertices along it.
-  std::vector<std::uint32_t> edge_order;    ///< Edges along it.
-  std::uint32_t width = 0;                  ///< Width of a grid, in vertices.
-  std::uint32_t height = 0;                 ///< Height of a grid, in vertices.
+  Shape shape = Shape::graph;         ///< The shape.
+  Array<std::uint32_t> vertex_order;  ///< Vertices along it.
+  Array<std::uint32_t> edge_order;    ///< Edges along it.
+  std::uint32_t width = 0;            ///< Width of a grid, in vertices.
+  std::uint32_t height = 0;           ///< Height of a grid, in vertices.
 };
 
 /// Finds what one island looks like, whatever the numbering of its vertices and edges.

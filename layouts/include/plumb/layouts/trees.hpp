@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "plumb/layouts/graph.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::layouts {
 
@@ -20,11 +20,11 @@ struct Tree {
     std::uint32_t edge;    ///< The edge to it.
   };
 
-  std::vector<std::uint32_t> vertex;  ///< Vertex of every node, the root first.
-  std::vector<std::uint32_t> parent;  ///< Parent of every node, with a smaller number; the root has itself.
-  std::vector<std::uint32_t> edge;    ///< Edge of every node to its parent; not used for the root.
-  std::vector<std::uint32_t> tie_begin;  ///< Start of each node's entries in `ties`; nodes + 1 entries.
-  std::vector<Tie> ties;                 ///< Edges to fixed vertices, by node, then by edge.
+  Array<std::uint32_t> vertex;     ///< Vertex of every node, the root first.
+  Array<std::uint32_t> parent;     ///< Parent of every node, with a smaller number; the root has itself.
+  Array<std::uint32_t> edge;       ///< Edge of every node to its parent; not used for the root.
+  Array<std::uint32_t> tie_begin;  ///< Start of each node's entries in `ties`; nodes + 1 entries.
+  Array<Tie> ties;                 ///< Edges to fixed vertices, by node, then by edge.
 
   /// Number of nodes.
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(vertex.size()); }

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -35,8 +35,8 @@ class CrowdBlows {
   double sweep(Crowd<T>& crowd);
   void count_pulls(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) const;
 
-  std::vector<std::uint8_t> is_struck_;  ///< by island
-  std::vector<Rod> rods_;                ///< of those that are
+  Array<std::uint8_t> is_struck_;  ///< by island
+  Array<Rod> rods_;                ///< of those that are
 };
 
 extern template class CrowdBlows<float>;

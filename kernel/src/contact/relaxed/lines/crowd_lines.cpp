@@ -106,7 +106,7 @@ void CrowdLines<T>::find_touches(const double* lines, Team* team) {
   const unsigned parts = team == nullptr ? 1 : team->parts();
   touches_.resize(parts);
   auto find = [&](unsigned part) {
-    std::vector<simd::LineTouch>& to = touches_[part];
+    Array<simd::LineTouch>& to = touches_[part];
     to.clear();
     std::array<simd::LineTouch, std::size_t{places} * simd::most_line_pairs> found;
     const std::uint32_t end = Team::begin_of(count, part + 1, parts);

@@ -3,12 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "threads/team.hpp"
@@ -145,25 +145,25 @@ class CrowdLines {
 
   ContactSettings settings_;  ///< multiplied by their length scale
   const simd::Kernels<T>* kernels_;
-  std::vector<Line> lines_;   ///< by body
-  T over_mass_ = 0;           ///< 1/kg, of all ends; 0 if they differ
-  bool is_first_ = true;      ///< no substep has ended, and islands have what held pairs
-  bool sees_blows_ = false;   ///< some may bounce, or how fast they approach counts
-  std::vector<Pair> known_;   ///< all pairs that were taken in, ascending
-  std::vector<Pair> others_;  ///< those that are not plain
-  std::vector<Pair> left_;
-  std::vector<simd::LinePair> pairs_;
-  std::vector<std::uint8_t> color_;                    ///< of pairs, once they touched in the step
-  std::vector<Vec3> forces_;                           ///< N, by slot: what held it in the last substep
-  std::vector<std::uint32_t> held_;                    ///< slots that something held
-  std::vector<std::uint64_t> taken_;                   ///< by particle, a bit for each colour
-  std::vector<std::vector<simd::LineTouch>> touches_;  ///< by thread, of pairs in their order
+  Array<Line> lines_;        ///< by body
+  T over_mass_ = 0;          ///< 1/kg, of all ends; 0 if they differ
+  bool is_first_ = true;     ///< no substep has ended, and islands have what held pairs
+  bool sees_blows_ = false;  ///< some may bounce, or how fast they approach counts
+  Array<Pair> known_;        ///< all pairs that were taken in, ascending
+  Array<Pair> others_;       ///< those that are not plain
+  Array<Pair> left_;
+  Array<simd::LinePair> pairs_;
+  Array<std::uint8_t> color_;                          ///< of pairs, once they touched in the step
+  Array<Vec3> forces_;                                 ///< N, by slot: what held it in the last substep
+  Array<std::uint32_t> held_;                          ///< slots that something held
+  Array<std::uint64_t> taken_;                         ///< by particle, a bit for each colour
+  Array<Array<simd::LineTouch>> touches_;              ///< by thread, of pairs in their order
   std::array<std::uint32_t, colors * places> next_{};  ///< counts, then the next lane of each class
   layouts::AlignedBuffer<T> fields_;
-  std::vector<std::uint32_t> at_;
-  std::vector<std::uint32_t> slots_;  ///< by lane, or none
-  std::vector<Blow> blows_;           ///< by lane
-  std::vector<simd::ContactRange> ranges_;
+  Array<std::uint32_t> at_;
+  Array<std::uint32_t> slots_;  ///< by lane, or none
+  Array<Blow> blows_;           ///< by lane
+  Array<simd::ContactRange> ranges_;
   KeptTable kept_;
 };
 

@@ -380,7 +380,7 @@ void CrowdPairs<T>::find_more_pairs(std::span<LinkageState* const> cluster) {
 
 /// Sorts pairs into others that are sorted, and leaves each of them once.
 template <class T>
-void CrowdPairs<T>::merge(std::vector<Pair>& into, std::vector<Pair>& more) {
+void CrowdPairs<T>::merge(Array<Pair>& into, Array<Pair>& more) {
   std::sort(more.begin(), more.end(), is_before);
   more.erase(std::unique(more.begin(), more.end()), more.end());
   merged_.clear();

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "contact/pair_order.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/spatial_hash.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "threads/team.hpp"
 
 namespace plumb::detail {
@@ -177,49 +177,49 @@ class CrowdPairs {
   void follow_ends(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                    const Surroundings& surroundings, const GroundNow& ground);
   void find_plain_ends(const Crowd<T>& crowd, const Surroundings& surroundings, const GroundNow& ground,
-                       std::vector<Pair>& to) const;
+                       Array<Pair>& to) const;
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
   void find_line_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t body,
-                           std::vector<Pair>& to);
+                           Array<Pair>& to);
   void find_end_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t ball,
-                          std::vector<Pair>& to);
+                          Array<Pair>& to);
   void find_hull_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t number,
-                           std::vector<Pair>& to);
+                           Array<Pair>& to);
   template <class Add>
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, const Bounds& around,
                       const Filter& filter, Add&& add);
-  void merge(std::vector<Pair>& into, std::vector<Pair>& more);
+  void merge(Array<Pair>& into, Array<Pair>& more);
 
-  std::vector<Term> ends_;
-  std::vector<Body> bodies_;
-  std::vector<Ball> balls_;
-  std::vector<Hull> hulls_;
+  Array<Term> ends_;
+  Array<Body> bodies_;
+  Array<Ball> balls_;
+  Array<Hull> hulls_;
   /// Of bodies, then hulls, and of balls, within the step and from the crowd's origin.
-  std::vector<Bounds> bounds_, ball_bounds_;
-  std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
-  std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
-  std::vector<Pair> plain_ends_, more_plain_ends_;
-  std::vector<std::uint32_t> first_line_, lines_at_, other_lines_;
-  std::vector<const LinkageState*> listed_;  ///< the islands that shapes were listed for
-  std::uint32_t layout_ = none;              ///< of the crowd, then
-  bool are_lines_plain_ = false;             ///< all bodies are
+  Array<Bounds> bounds_, ball_bounds_;
+  Array<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
+  Array<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
+  Array<Pair> plain_ends_, more_plain_ends_;
+  Array<std::uint32_t> first_line_, lines_at_, other_lines_;
+  Array<const LinkageState*> listed_;  ///< the islands that shapes were listed for
+  std::uint32_t layout_ = none;        ///< of the crowd, then
+  bool are_lines_plain_ = false;       ///< all bodies are
   bool are_alike_ = false;
   double slack_ = -1;          ///< m, see holds_within()
   bool follows_lines_ = true;  ///< some may touch otherwise than by their ends
-  std::vector<T> low_, high_;  ///< m, by numbers of the crowd: where particles may go
+  Array<T> low_, high_;        ///< m, by numbers of the crowd: where particles may go
   std::uint32_t stride_ = 1;   ///< of their components
   double least_radius_ = 0, largest_radius_ = 0, most_weight_ = 1;
-  std::vector<std::uint32_t> near_;
-  SpatialHash hash_;                     ///< of bounds_
-  std::vector<std::uint32_t> seen_;      ///< by number in bounds_, for whom it was looked at last
-  bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
-  double margin_;                        ///< m, nearer than which shapes may touch
-  double slop_;                          ///< m
-  double fastest_ = 0;                   ///< m/s, of all that moves
-  double left_ = 0;                      ///< s, the time of the step that is looked ahead
-  std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
-  std::vector<std::uint8_t> is_outrun_;  ///< by body
-  std::vector<Pair> more_, more_of_hulls_, merged_;
+  Array<std::uint32_t> near_;
+  SpatialHash hash_;               ///< of bounds_
+  Array<std::uint32_t> seen_;      ///< by number in bounds_, for whom it was looked at last
+  bool has_pairs_ = false;         ///< some shapes may touch each other, and hash_ has them
+  double margin_;                  ///< m, nearer than which shapes may touch
+  double slop_;                    ///< m
+  double fastest_ = 0;             ///< m/s, of all that moves
+  double left_ = 0;                ///< s, the time of the step that is looked ahead
+  Array<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
+  Array<std::uint8_t> is_outrun_;  ///< by body
+  Array<Pair> more_, more_of_hulls_, merged_;
   PairOrder<Pair> order_;
 };
 

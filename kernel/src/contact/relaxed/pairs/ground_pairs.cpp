@@ -79,7 +79,7 @@ void CrowdPairs<T>::find_on_moving(const Crowd<T>& crowd, const GroundNow& groun
 /// Finds which plain ends may touch plain ground, sorted by ground.
 template <class T>
 void CrowdPairs<T>::find_plain_ends(const Crowd<T>& crowd, const Surroundings& surroundings,
-                                    const GroundNow& ground, std::vector<Pair>& to) const {
+                                    const GroundNow& ground, Array<Pair>& to) const {
   const auto planes = static_cast<std::uint32_t>(ground.planes().size());
   const auto add = [&](std::uint32_t number, const Filter& filter, auto&& reaches_into) {
     for (std::uint32_t i = 0; i < balls_.size(); ++i)
@@ -148,7 +148,7 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& su
 /// Adds what of such ground a body may touch, unless its ends keep it out.
 template <class T>
 void CrowdPairs<T>::find_line_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings,
-                                        std::uint32_t body, std::vector<Pair>& to) {
+                                        std::uint32_t body, Array<Pair>& to) {
   find_on_ground(crowd, surroundings, bounds_[body], filter_of(body), [&](std::uint32_t shape) {
     if (!is_kept_out_by_ends(crowd, bodies_[body], surroundings.shapes[shape])) to.push_back({body, shape});
   });
@@ -157,7 +157,7 @@ void CrowdPairs<T>::find_line_on_ground(const Crowd<T>& crowd, const Surrounding
 /// Adds what of such ground the end of a body may touch, unless both are plain.
 template <class T>
 void CrowdPairs<T>::find_end_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings,
-                                       std::uint32_t ball, std::vector<Pair>& to) {
+                                       std::uint32_t ball, Array<Pair>& to) {
   const Ball& each = balls_[ball];
   find_on_ground(crowd, surroundings, bounds_[each.body], each.ball->filter, [&](std::uint32_t shape) {
     if (!each.is_plain || !surroundings.shapes[shape].capsule()) to.push_back({ball, shape});
@@ -181,7 +181,7 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& su
 /// Adds what of such ground a hull may touch, whose number follows those of bodies.
 template <class T>
 void CrowdPairs<T>::find_hull_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings,
-                                        std::uint32_t number, std::vector<Pair>& to) {
+                                        std::uint32_t number, Array<Pair>& to) {
   const auto hull = number - static_cast<std::uint32_t>(bodies_.size());
   find_on_ground(crowd, surroundings, bounds_[number], filter_of(number), [&](std::uint32_t shape) {
     to.push_back({hull, shape});
@@ -192,7 +192,7 @@ template bool CrowdPairs<float>::is_kept_out_by_ends(const Crowd<float>&, const 
 template bool CrowdPairs<float>::are_kept_out_by_ends(const Crowd<float>&, const Surroundings&,
                                                       const GroundNow&) const;
 template void CrowdPairs<float>::find_plain_ends(const Crowd<float>&, const Surroundings&, const GroundNow&,
-                                                 std::vector<Pair>&) const;
+                                                 Array<Pair>&) const;
 template void CrowdPairs<float>::find_more_plain_ends(const Crowd<float>&, const Surroundings&,
                                                       const GroundNow&);
 template void CrowdPairs<float>::follow_ends(std::span<LinkageState* const>, const Crowd<float>&,
@@ -200,16 +200,16 @@ template void CrowdPairs<float>::follow_ends(std::span<LinkageState* const>, con
 template void CrowdPairs<float>::find_on_moving(const Crowd<float>&, const GroundNow&, double);
 template void CrowdPairs<float>::find_on_ground(const Crowd<float>&, const Surroundings&);
 template void CrowdPairs<float>::find_line_on_ground(const Crowd<float>&, const Surroundings&, std::uint32_t,
-                                                     std::vector<Pair>&);
+                                                     Array<Pair>&);
 template void CrowdPairs<float>::find_end_on_ground(const Crowd<float>&, const Surroundings&, std::uint32_t,
-                                                    std::vector<Pair>&);
+                                                    Array<Pair>&);
 template void CrowdPairs<float>::find_hull_on_ground(const Crowd<float>&, const Surroundings&, std::uint32_t,
-                                                     std::vector<Pair>&);
+                                                     Array<Pair>&);
 template bool CrowdPairs<double>::is_kept_out_by_ends(const Crowd<double>&, const Body&, double) const;
 template bool CrowdPairs<double>::are_kept_out_by_ends(const Crowd<double>&, const Surroundings&,
                                                        const GroundNow&) const;
 template void CrowdPairs<double>::find_plain_ends(const Crowd<double>&, const Surroundings&, const GroundNow&,
-                                                  std::vector<Pair>&) const;
+                                                  Array<Pair>&) const;
 template void CrowdPairs<double>::find_more_plain_ends(const Crowd<double>&, const Surroundings&,
                                                        const GroundNow&);
 template void CrowdPairs<double>::follow_ends(std::span<LinkageState* const>, const Crowd<double>&,
@@ -217,10 +217,10 @@ template void CrowdPairs<double>::follow_ends(std::span<LinkageState* const>, co
 template void CrowdPairs<double>::find_on_moving(const Crowd<double>&, const GroundNow&, double);
 template void CrowdPairs<double>::find_on_ground(const Crowd<double>&, const Surroundings&);
 template void CrowdPairs<double>::find_line_on_ground(const Crowd<double>&, const Surroundings&,
-                                                      std::uint32_t, std::vector<Pair>&);
+                                                      std::uint32_t, Array<Pair>&);
 template void CrowdPairs<double>::find_end_on_ground(const Crowd<double>&, const Surroundings&, std::uint32_t,
-                                                     std::vector<Pair>&);
+                                                     Array<Pair>&);
 template void CrowdPairs<double>::find_hull_on_ground(const Crowd<double>&, const Surroundings&,
-                                                      std::uint32_t, std::vector<Pair>&);
+                                                      std::uint32_t, Array<Pair>&);
 
 }  // namespace plumb::detail

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "plumb/layouts/packing.hpp"
 
 namespace plumb::detail {
@@ -80,12 +80,12 @@ class CrowdPlaces {
 
   std::uint32_t lanes_ = 0, numbers_ = 0, count_ = 0;
   bool rows_ = false;
-  std::vector<std::uint32_t> first_, begin_;  ///< by island
-  std::vector<std::uint32_t> at_;             ///< by particle
-  std::vector<std::uint32_t> particle_at_;    ///< by number
-  std::vector<Rod> rods_;
-  std::vector<Vectors> colors_;
-  std::vector<std::uint32_t> address_a_, address_b_;
+  Array<std::uint32_t> first_, begin_;  ///< by island
+  Array<std::uint32_t> at_;             ///< by particle
+  Array<std::uint32_t> particle_at_;    ///< by number
+  Array<Rod> rods_;
+  Array<Vectors> colors_;
+  Array<std::uint32_t> address_a_, address_b_;
 };
 
 }  // namespace plumb::detail

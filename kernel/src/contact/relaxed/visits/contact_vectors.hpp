@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/relaxed/crowd.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/memory.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "threads/team.hpp"
 
@@ -78,14 +78,14 @@ class ContactVectors {
   }
 
   const simd::Kernels<T>* all_kernels_;
-  std::vector<std::uint64_t> taken_;                    ///< by particle, a bit for each colour
-  std::vector<std::uint8_t> color_;                     ///< of contacts, in their order
+  Array<std::uint64_t> taken_;                          ///< by particle, a bit for each colour
+  Array<std::uint8_t> color_;                           ///< of contacts, in their order
   std::array<std::uint32_t, colors * classes> next_{};  ///< counts, then the next lane of each
   std::size_t put_ = 0;                                 ///< contacts that have been put
   layouts::AlignedBuffer<T> fields_;
-  std::vector<std::uint32_t> at_;
-  std::vector<Pushes> pushes_;  ///< by lane
-  std::vector<simd::ContactRange> ranges_;
+  Array<std::uint32_t> at_;
+  Array<Pushes> pushes_;  ///< by lane
+  Array<simd::ContactRange> ranges_;
 };
 
 extern template class ContactVectors<float>;

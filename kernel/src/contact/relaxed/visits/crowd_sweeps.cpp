@@ -67,7 +67,7 @@ void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
 }
 
 template <class T>
-bool CrowdContacts<T>::list_swept(std::vector<SweptNumbers<T>>& to) {
+bool CrowdContacts<T>::list_swept(Array<SweptNumbers<T>>& to) {
   to.insert(to.end(), {ends_.swept(), vectors_.swept(), lines_.swept()});
   return alone_.empty();
 }
@@ -227,14 +227,14 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
 
 template void CrowdContacts<float>::lay_out(const Crowd<float>&);
 template void CrowdContacts<float>::sweep(Crowd<float>&, Team*);
-template bool CrowdContacts<float>::list_swept(std::vector<SweptNumbers<float>>&);
+template bool CrowdContacts<float>::list_swept(Array<SweptNumbers<float>>&);
 template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
 template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<float>::depth(const Crowd<float>&) const;
 template bool CrowdContacts<float>::bounce(Crowd<float>&);
 template void CrowdContacts<double>::lay_out(const Crowd<double>&);
 template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
-template bool CrowdContacts<double>::list_swept(std::vector<SweptNumbers<double>>&);
+template bool CrowdContacts<double>::list_swept(Array<SweptNumbers<double>>&);
 template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
 template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<double>::depth(const Crowd<double>&) const;

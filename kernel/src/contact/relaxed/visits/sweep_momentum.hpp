@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
+
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -53,7 +54,7 @@ class SweepMomentum {
       for (std::size_t k = 0; k < each.count; ++k) f(each.first + k * each.stride, each.width);
   }
 
-  std::vector<T> before_;   ///< as the last sweep left them
+  Array<T> before_;         ///< as the last sweep left them
   std::size_t sweeps_ = 0;  ///< since begin()
 };
 

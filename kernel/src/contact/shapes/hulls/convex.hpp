@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
@@ -15,9 +15,9 @@ struct ConvexParts {
     std::uint32_t a, b;         ///< vertices
     std::uint32_t left, right;  ///< faces; from outside, `left` has b after a
   };
-  std::vector<std::uint32_t> corners;      ///< of one face after the other, counterclockwise from outside
-  std::vector<std::uint32_t> first_of{0};  ///< where each face begins among the corners, and the end
-  std::vector<Edge> edges;
+  Array<std::uint32_t> corners;      ///< of one face after the other, counterclockwise from outside
+  Array<std::uint32_t> first_of{0};  ///< where each face begins among the corners, and the end
+  Array<Edge> edges;
 
   std::uint32_t faces() const { return static_cast<std::uint32_t>(first_of.size() - 1); }
   std::span<const std::uint32_t> face(std::uint32_t i) const {

@@ -46,7 +46,7 @@ class Quickhull {
     Ids corners;
     Vec3 normal;
     double offset;
-    std::vector<std::uint32_t> beyond{};  ///< points that it sees
+    Array<std::uint32_t> beyond{};  ///< points that it sees
     bool is_gone = false;
   };
 
@@ -60,7 +60,7 @@ class Quickhull {
       if (!faces_[i].is_gone && !faces_[i].beyond.empty()) grow(i);
   }
 
-  const std::vector<Face>& faces() const { return faces_; }
+  const Array<Face>& faces() const { return faces_; }
   double size() const { return size_; }
 
  private:
@@ -86,7 +86,7 @@ class Quickhull {
 
   bool start() {
     if (points_.size() < 4 || !(size_ > 0)) return false;
-    std::vector<std::uint32_t> all(points_.size());
+    Array<std::uint32_t> all(points_.size());
     std::iota(all.begin(), all.end(), 0u);
     const double rounding = on_face * size_;
     const std::uint32_t a = best(all, 0, [](Vec3) { return 0.0; });
@@ -137,7 +137,7 @@ class Quickhull {
     const Face& face = faces_[at];
     const std::uint32_t top =
         best(face.beyond, on_face * size_, [&](Vec3 p) { return dot(face.normal, p) - face.offset; });
-    std::vector<std::uint32_t> seen{at}, loose;
+    Array<std::uint32_t> seen{at}, loose;
     std::set<Side> border;
     faces_[at].is_gone = true;
     for (std::size_t n = 0; n < seen.size(); ++n)
@@ -166,14 +166,14 @@ class Quickhull {
 
   std::span<const Vec3> points_;
   double size_ = 0;
-  std::vector<Face> faces_;
+  Array<Face> faces_;
   Sides face_at_;
 };
 
 /// Joins triangles in one plane. Returns the number of each one's group.
-std::vector<std::uint32_t> join_flat(std::span<const Quickhull::Face> faces, const Sides& sides,
-                                     std::span<const Vec3> points, double rounding) {
-  std::vector<std::uint32_t> group(faces.size());
+Array<std::uint32_t> join_flat(std::span<const Quickhull::Face> faces, const Sides& sides,
+                               std::span<const Vec3> points, double rounding) {
+  Array<std::uint32_t> group(faces.size());
   std::iota(group.begin(), group.end(), 0u);
   const auto root = [&](std::uint32_t i) {
     while (group[i] != i) i = group[i] = group[group[i]];
@@ -209,14 +209,14 @@ void find_normals(const ConvexParts& parts, std::span<const Vec3> vertices, std:
 
 ConvexHull::ConvexHull(std::span<const Vec3> points) {
   const Quickhull grown(points);
-  std::vector<Quickhull::Face> faces;
+  Array<Quickhull::Face> faces;
   for (const Quickhull::Face& face : grown.faces())
     if (!face.is_gone) faces.push_back(face);
   if (faces.empty()) return;
   Sides sides;
   for (std::uint32_t i = 0; i < faces.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) sides[{faces[i].corners[k], faces[i].corners[(k + 1) % 3]}] = i;
-  const std::vector<std::uint32_t> group = join_flat(faces, sides, points, 10 * on_face * grown.size());
+  const Array<std::uint32_t> group = join_flat(faces, sides, points, 10 * on_face * grown.size());
   // The border of each group is a face. Its sides follow each other by their corners.
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> borders;
   for (const auto& [side, face] : sides)

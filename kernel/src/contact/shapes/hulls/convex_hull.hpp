@@ -1,10 +1,10 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "contact/shapes/bounds.hpp"
 #include "contact/shapes/hulls/convex.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -31,8 +31,8 @@ class ConvexHull {
   static constexpr double flat = 1e-7;
 
  private:
-  std::vector<Vec3> vertices_, normals_;
-  std::vector<std::uint32_t> numbers_;
+  Array<Vec3> vertices_, normals_;
+  Array<std::uint32_t> numbers_;
   ConvexParts parts_;
 };
 

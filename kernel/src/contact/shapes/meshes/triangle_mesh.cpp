@@ -29,10 +29,10 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Corne
     : sides_(sides) {
   vertices_.assign(vertices.begin(), vertices.end());
   triangles_.assign(triangles.begin(), triangles.end());
-  const std::vector<std::uint32_t> first = weld(vertices);
+  const Array<std::uint32_t> first = weld(vertices);
   for (Corners& corners : triangles_)
     for (std::uint32_t& corner : corners) corner = first[corner];
-  std::vector<Bounds> boxes;
+  Array<Bounds> boxes;
   boxes.reserve(triangles_.size());
   for (std::uint32_t i = 0; i < size(); ++i) {
     const Triangle t = triangle(i);
@@ -50,7 +50,7 @@ void TriangleMesh::connect() {
   struct Side {
     std::uint32_t low, high, triangle, place;
   };
-  std::vector<Side> sides;
+  Array<Side> sides;
   sides.reserve(3 * triangles_.size());
   for (std::uint32_t i = 0; i < size(); ++i)
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -97,7 +97,7 @@ void TriangleMesh::weigh() {
   }
   std::partial_sum(first_spoke_.begin(), first_spoke_.end(), first_spoke_.begin());
   spokes_.resize(first_spoke_.back());
-  std::vector<std::uint32_t> next(first_spoke_.begin(), first_spoke_.end() - 1);
+  Array<std::uint32_t> next(first_spoke_.begin(), first_spoke_.end() - 1);
   for (const Edge& edge : edges_) {
     const Vec3 along = unit(vertices_[edge.b] - vertices_[edge.a]);
     spokes_[next[edge.a]++] = along;

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "contact/shapes/bounds_tree.hpp"
 #include "contact/shapes/meshes/triangle.hpp"
+#include "plumb/layouts/memory.hpp"
 
 namespace plumb::detail {
 
@@ -100,15 +100,15 @@ class TriangleMesh {
   void connect();
   void weigh();
 
-  std::vector<Vec3> vertices_;
-  std::vector<Corners> triangles_, edges_of_;
-  std::vector<Vec3> normals_;
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t> first_spoke_;         ///< by vertex, and the end
-  std::vector<Vec3> spokes_;                       ///< unit vectors along edges out of vertices
-  std::vector<Vec3> outward_;                      ///< by vertex
-  std::vector<std::uint32_t> owners_;              ///< by vertex
-  std::vector<std::uint8_t> on_border_, is_flat_;  ///< by vertex
+  Array<Vec3> vertices_;
+  Array<Corners> triangles_, edges_of_;
+  Array<Vec3> normals_;
+  Array<Edge> edges_;
+  Array<std::uint32_t> first_spoke_;         ///< by vertex, and the end
+  Array<Vec3> spokes_;                       ///< unit vectors along edges out of vertices
+  Array<Vec3> outward_;                      ///< by vertex
+  Array<std::uint32_t> owners_;              ///< by vertex
+  Array<std::uint8_t> on_border_, is_flat_;  ///< by vertex
   BoundsTree tree_;
   MeshSides sides_;
 };
