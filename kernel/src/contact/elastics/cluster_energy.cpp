@@ -17,6 +17,28 @@ double ClusterStepper::elastic_energy() const {
   return sum;
 }
 
+/// Returns what pulls of constraints do where anchors move and rods change their length, `at` (s) in the
+/// step, in J times the unit of time in which they are impulses.
+double ClusterStepper::work_of_given(Array<double> Island::*pulls, double at) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake || island.theta != 0 || !island.state->is_driven()) continue;
+    island.state->lengths.follow(at);
+    sum += island.state->work_of_given(island.*pulls, island.unknowns);
+    island.state->lengths.follow(now_ + island.h);
+  }
+  return sum;
+}
+
+double ClusterStepper::work_of_common(double h) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake && islands_[i].state->is_driven())
+      sum += islands_[i].state->work_of_common(islands_[i].v, h);
+  return sum;
+}
+
 /// Returns the energy of elastics where a substep starts, alone and with that of its velocities. Clusters
 /// without elastics are not measured.
 ClusterStepper::Energies ClusterStepper::energies_of_elastics() const {

@@ -133,6 +133,57 @@ void LinkageState::rates(std::span<const Vec3> velocities, Linkage::Range of, st
     right[linkage->plan().position(linkage->row_of_rod(each.rod))] += each.half_square_rate;
 }
 
+bool LinkageState::is_driven() const {
+  return lengths.move() ||
+         std::any_of(v.begin() + linkage->movable(), v.end(), [](Vec3 of) { return of != Vec3{}; });
+}
+
+double LinkageState::most_of_blow() const {
+  double fastest = 0;
+  for (const RodLengths::Change& each : lengths.changes())
+    fastest = std::max(fastest, (each.rate - each.went) * (each.rate - each.went));
+  for (std::size_t i = 0; i < anchors_went.size(); ++i) {
+    const Vec3 change = v[linkage->movable() + i] - anchors_went[i];
+    fastest = std::max(fastest, dot(change, change));
+  }
+  return 0.5 * linkage->mass() * fastest;
+}
+
+Vec3 LinkageState::velocity_of_anchors() const {
+  Vec3 sum{};
+  for (std::size_t k = linkage->movable(); k < v.size(); ++k) sum += v[k];
+  return sum == Vec3{} ? sum : (1.0 / static_cast<double>(v.size() - linkage->movable())) * sum;
+}
+
+double LinkageState::work_of_given(std::span<const double> multipliers, Array<simd::Quad>& unknowns) {
+  const Vec3 common = velocity_of_anchors();
+  given_.resize(v.size());
+  bool any = lengths.move();
+  for (std::size_t k = linkage->movable(); k < v.size(); ++k) {
+    given_[k] = v[k] - common;
+    any = any || given_[k] != Vec3{};
+  }
+  if (!any) return 0;
+  const std::span<double> right = numbers(unknowns);
+  rates(given_, linkage->fixed_ones(), right);
+  double sum = 0;
+  for (std::uint32_t c = 0; c < linkage->constraints(); ++c)
+    sum -= multipliers[c] * right[linkage->plan().position(3 * linkage->movable() + c)];
+  return sum;
+}
+
+double LinkageState::work_of_common(std::span<const Vec3> after, double h) {
+  const Vec3 common = velocity_of_anchors();
+  if (common == Vec3{}) return 0;
+  given_.assign(v.size(), common);
+  double sum = h * linkage->potential(given_, force);
+  linkage->momenta(after, given_);
+  for (std::uint32_t k = 0; k < linkage->movable(); ++k) sum += dot(common, given_[k]);
+  linkage->momenta(v, given_);
+  for (std::uint32_t k = 0; k < linkage->movable(); ++k) sum -= dot(common, given_[k]);
+  return sum;
+}
+
 void LinkageState::correct_velocities(std::span<Vec3> velocities, Array<simd::Quad>& unknowns,
                                       std::span<double> multipliers) const {
   const std::span<double> right = numbers(unknowns);
@@ -272,20 +323,37 @@ double mean_speed(const LinkageState& state) {
   return state.lengths.speed() + (mass > 0 ? std::sqrt(sum / mass) : 0);
 }
 
+namespace {
+
+/// Returns whether is_it(number) of a fixed particle that holds a capsule, by its number in the scene.
+template <class IsIt>
+bool any_anchor(const LinkageState& of, std::uint32_t capsule, IsIt&& is_it) {
+  const Linkage::Shape& shape = of.linkage->shapes()[capsule];
+  for (const ShapePlace* const place : {&shape.a, &shape.b})
+    for (std::uint32_t i = 0; i < place->count; ++i)
+      if (const std::uint32_t k = place->terms[i].particle; k >= of.linkage->movable())
+        if (is_it(of.particles[k])) return true;
+  return false;
+}
+
+}  // namespace
+
 bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,
                    std::uint32_t other_capsule) {
   if (!one.linkage->is_grounded() || !other.linkage->is_grounded()) return false;
-  const auto for_anchors = [](const LinkageState& of, std::uint32_t number, auto&& is_it) {
-    const Linkage::Shape& shape = of.linkage->shapes()[number];
-    for (const ShapePlace* const place : {&shape.a, &shape.b})
-      for (std::uint32_t i = 0; i < place->count; ++i)
-        if (const std::uint32_t k = place->terms[i].particle; k >= of.linkage->movable())
-          if (is_it(of.particles[k])) return true;
-    return false;
-  };
-  return for_anchors(one, capsule, [&](std::uint32_t anchor) {
-    return for_anchors(other, other_capsule, [&](std::uint32_t each) { return each == anchor; });
+  return any_anchor(one, capsule, [&](std::uint32_t anchor) {
+    return any_anchor(other, other_capsule, [&](std::uint32_t each) { return each == anchor; });
   });
+}
+
+bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage::Shape& anchored) {
+  return one.linkage->is_grounded() && any_anchor(one, capsule, [&](std::uint32_t anchor) {
+           const auto has = [&](const ShapePlace& place) {
+             return std::any_of(place.terms.begin(), place.terms.begin() + place.count,
+                                [&](const auto& term) { return term.particle == anchor; });
+           };
+           return has(anchored.a) || has(anchored.b);
+         });
 }
 
 }  // namespace plumb::detail

@@ -172,6 +172,17 @@ struct LinkageState : LinkageMotion {
   /// Writes -J v of some particles at x into the places of `right`, and what rods that change their length
   /// ask for.
   void rates(std::span<const Vec3> velocities, Linkage::Range of, std::span<double> right) const;
+  /// Returns whether anchors move or rods change their length, which does work.
+  bool is_driven() const;
+  /// Returns the most energy (J) that goes where anchors and lengths change how fast they go, as in a blow.
+  double most_of_blow() const;
+  Vec3 velocity_of_anchors() const;  ///< in the mean, m/s
+  /// Returns what multipliers of constraints at x do as rods change their length, and as anchors go beside
+  /// their mean: J for those of an impulse. Overwrites `unknowns`.
+  double work_of_given(std::span<const double> multipliers, Array<simd::Quad>& unknowns);
+  /// Returns what that mean does (J) in a substep of h (s) that ends with velocities `after`, if nothing else
+  /// pushes: it gives all momentum but that of weight and constant forces.
+  double work_of_common(std::span<const Vec3> after, double h);
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
   /// adds its multipliers to those that are given, if any.
   void correct_velocities(std::span<Vec3> velocities, Array<simd::Quad>& unknowns,
@@ -230,13 +241,15 @@ struct LinkageState : LinkageMotion {
 
   Array<Vec3> flat_gradients_;  ///< 1/m, of rods of flat bodies where the matrix was assembled
   Array<simd::Quad> unknowns_;
-  Array<Vec3> push_;
+  Array<Vec3> push_, given_;
 };
 
 /// Returns whether capsules of two islands are at one fixed particle, by their numbers. They overlap there as
 /// neighbours on a rope do, and do not touch either.
 bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,
                    std::uint32_t other_capsule);
+/// Returns that of a capsule and one between fixed particles, with the scene's numbers of these.
+bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage::Shape& anchored);
 /// Returns how far constant forces throw an island in dt (s), m.
 double throw_of(const LinkageState& state, double dt);
 /// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable

@@ -14,6 +14,10 @@ constexpr std::uint32_t kinds = 8;
 /// More batches than threads even out what they cost.
 constexpr std::uint32_t batches_per_thread = 4;
 
+/// Nothing is pushed where no movable particle has this weight, which is close to an anchor: by the lever of
+/// such a place an overlap of millimetres would throw the rod's other end by its length.
+constexpr double least_weight = 0.02;
+
 /// Appends terms, multiplied by a sign. Returns what a push of one on their sum moves it by, 1/kg.
 template <class Term>
 double add_terms(std::span<const Term> terms, double sign, Array<Term>& to) {
@@ -211,7 +215,11 @@ void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& si
     moves += add_terms(side.at, i == 0 ? 1 : -1, in.to.terms);
   }
   contact.terms.end = static_cast<std::uint32_t>(in.to.terms.size());
-  contact.over = 1 / moves;
+  double heaviest = 0;
+  for (std::uint32_t i = contact.terms.first; i < contact.terms.end; ++i)
+    if (const Term& each = in.to.terms[i]; each.move != 0)
+      heaviest = std::max(heaviest, std::abs(static_cast<double>(each.weight)));
+  contact.over = heaviest < least_weight ? INFINITY : 1 / moves;
 }
 
 /// Adds the places that friction holds: those of bodies where they are touched. Two bodies are held at one

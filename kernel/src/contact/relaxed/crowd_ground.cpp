@@ -42,6 +42,7 @@ template <class T>
 void CrowdContacts<T>::touch_segments(const Substep& in, std::span<const Pair> pairs) {
   for (const Pair& pair : pairs) {
     const Body& each = near_.bodies()[pair.one];
+    if (hang_together(*in.cluster[each.island], each.number, in.ground.shapes()[pair.other])) continue;
     const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
                       in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
     const Touches near = touches(own, in.ground.segments()[pair.other]);

@@ -249,7 +249,8 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
     if (!near.overlaps(box_around(other.p, other.q))) continue;
     for (std::uint32_t k = 0; k < shapes.size(); ++k) {
       const Linkage::Shape& shape = shapes[k];
-      if (!plumb::may_touch(shape.filter, others[l].filter)) continue;
+      if (!plumb::may_touch(shape.filter, others[l].filter) || hang_together(*island.state, k, others[l]))
+        continue;
       const Segment first{shape.a.of(island.state->x), shape.b.of(island.state->x), shape.radius};
       const Touches found = touches(first, other);
       for (std::uint32_t n = 0; n < found.count; ++n)

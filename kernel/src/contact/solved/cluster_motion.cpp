@@ -169,9 +169,12 @@ double ClusterStepper::find_rigid_motion() {
     if (!island.awake) continue;
     const Linkage& linkage = *island.state->linkage;
     island.rigid.assign(linkage.movable(), Vec3{});
-    if (linkage.is_grounded())
-      loose += linkage.kinetic(island.v);
-    else if (linkage.movable() > 1)
+    if (linkage.is_grounded()) {
+      std::fill(island.rigid.begin(), island.rigid.end(), island.state->velocity_of_anchors());
+      island.impulse.resize(linkage.movable());
+      for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] = island.v[k] - island.rigid[k];
+      loose += linkage.kinetic(island.impulse);
+    } else if (linkage.movable() > 1)
       loose += linkage.split(island.state->x, island.v, island.rigid);
     else
       island.rigid[0] = island.v[0];
@@ -266,8 +269,8 @@ double ClusterStepper::work_of_recovery() const {
 bool ClusterStepper::guard_energy(double before, double recovered, bool touched, bool can_shorten,
                                   Tally& report) {
   if (keeps_energy()) return true;
-  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its height
-  bool free = count_ == 1 && !touched, driven = false;
+  double now = 0, moving = 0, weight = 0, blow = 0;  // J; weight: what it takes to lift all by its height
+  bool free = count_ == 1 && !touched, driven = false, is_open = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
     if (!island.awake) continue;
@@ -279,31 +282,34 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
     weight += pull * height_of(island);
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air() && island.theta == 0;
-    driven = driven || !state.laws.empty() || state.lengths.move();
-    for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
-      driven = driven || state.v[k] != Vec3{};
+    driven = driven || state.is_driven();
+    if (state.is_driven()) blow += state.most_of_blow();
+    // Work of what is given is not known well enough beside elastics, and where gradients are not old.
+    if (!state.laws.empty() || (driven && (touched || island.theta != 0 || state.linkage->has_air())))
+      is_open = true;
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if ((!free || driven) && islands_[i].state->laws.empty()) islands_[i].state->energy.reset();
-  if (driven || moving == 0) return true;
+  if (is_open || moving == 0) return true;
   LinkageState& first = *islands_[0].state;
-  if (free && !first.energy) first.energy = before;
-  const double wanted = free ? *first.energy : before;
+  if (free && !driven && !first.energy) first.energy = before;
+  const double wanted = free && !driven ? *first.energy : before;
   double excess = now - wanted;
+  if (excess < 0) excess = std::min(0.0, excess + blow);
   if (!free && excess <= 0) return true;
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
   // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken
   // from all.
   const double loose = find_rigid_motion();
-  const double square = 1 - excess / loose;
-  if (square >= 0.25 && square <= 1.5) {
-    scale_loose_motion(std::sqrt(square));
+  const double by = std::sqrt(1 - excess / loose);
+  if (by >= 0.5 && by * by <= 1.5) {
+    scale_loose_motion(by);
   } else if (excess > (free ? let_be * moving : 0)) {
-    const bool lifts = excess > moving + recovered + unnoticed * weight;
+    const bool lifts = excess > (driven ? loose : moving) + recovered + unnoticed * weight;
     if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
-    slow_all(excess, moving);
+    driven ? scale_loose_motion(by > 0 ? by : 0) : slow_all(excess, moving);
   } else {
     return true;
   }

@@ -125,7 +125,7 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
-  guard_energy(before, 0, false, false, report);
+  if (!state.is_driven()) guard_energy(before, 0, false, false, report);
   std::copy_n(island.v.begin(), state.linkage->movable(), state.v.begin());
   state.kept.clear();
   return true;
@@ -185,7 +185,8 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  if (state.pulls.counts || linkage.breaks() || linkage.taut_rods() > 0 || island.theta > 0) {
+  if (state.pulls.counts || linkage.breaks() || linkage.taut_rods() > 0 || island.theta > 0 ||
+      state.is_driven()) {
     island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
     island.end_pulls.assign(island.pulls.size(), 0);
   } else {
@@ -253,13 +254,14 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   is_unfound_ = !is_found && !found_crowd_ && !buckles_;
   if (!is_found) return false;
-  double before = energy();
+  double before = energy() + work_of_given(&Island::pulls, now_) / h;
   const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
   finish(h, touched);
   if (touched) bounce(h);
   if (touched && surroundings.may_move()) before += work_of_ground(h);
+  before += work_of_given(&Island::end_pulls, now_ + h) + work_of_common(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
   const double recovered = touched ? work_of_recovery() : 0;

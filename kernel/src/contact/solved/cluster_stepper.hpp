@@ -179,13 +179,13 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_bounds(Island& island) const;
   void find_sights(Island& island) const;
   double work_of_ground(double h) const;
+  double work_of_given(Array<double> Island::*pulls, double at), work_of_common(double h);
   double opened(const Row& row) const;
   static double opened(const Island& island, const GroundContact& contact);
   double work_of_recovery() const;
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
   void touch_anchored(std::uint32_t i, double h);
-  /// Finds contacts with ground that is not a plane.
   void touch_ground(std::uint32_t i, double h);
   void touch_ends(std::uint32_t i, std::uint32_t ground, double h);
   Place place_on(std::uint32_t ground) const;
@@ -295,8 +295,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
-  /// `before` (J) is the energy before the substep, and what moving ground has added since. `recovered` (J)
-  /// is what ending overlaps may have lifted.
+  /// `before` (J) is the energy before the substep, and what ground, anchors and rods that go have added
+  /// since. `recovered` (J) is what ending overlaps may have lifted.
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double elastic_energy() const;
