@@ -66,6 +66,8 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   if (const std::string shapeless = shapeless_text(scene); !shapeless.empty())
     std::printf("shapes     %s\n", shapeless.c_str());
   std::printf("diagonal   %s m\n", short_number(bounding_diagonal(scene)).c_str());
+  std::printf("memory     %s MB of arrays\n",
+              short_number(1e-6 * static_cast<double>(info.memory), 3).c_str());
   std::printf("threads    %u, %s\n", info.threads,
               info.parallel ? "used" : "not used: the scene is too small to win");
   std::printf("isa       ");

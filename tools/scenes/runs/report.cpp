@@ -174,6 +174,7 @@ Json world_json(const WorldInfo& info) {
           {"skipped", {{"per_rod_weights", info.skipped_per_rod_weights}, {"drag", info.skipped_drag}}},
           {"projected_position", info.projected_position},
           {"projected_velocity", info.projected_velocity},
+          {"memory", info.memory},
           {"blocks", blocks}};
 }
 
