@@ -169,11 +169,13 @@ TEST(WorldMemory, IsBoundedWhereASceneIsTooLarge) {
 }
 
 TEST(WorldMemory, IsEstimatedBeforeAWorldIsMade) {
-  for (const char* const spec : {"chain:links=5", "chain:links=3000", "ensemble:chains=300,links=32",
-                                 "net:width=40,height=40", "humanoid", "heap:ropes=40", "drape:size=16",
-                                 "drape:size=48", "terrain", "boxes", "crowd:humanoids=20", "wire", "tree"})
+  for (const char* const spec :
+       {"chain:links=5", "chain:links=3000", "ensemble:chains=300,links=32", "net:width=40,height=40",
+        "humanoid", "heap:ropes=40", "drape:size=16", "drape:size=48", "terrain", "boxes",
+        "crowd:humanoids=120", "wire", "tree", "truss", "graph", "ring"})
     for (const Method method : {Method::automatic, Method::relax}) {
       const Scene scene = scenes::load_scene(spec);
+      if (method == Method::relax && !scene.bends.empty()) continue;  // which it does not move
       const Settings settings{.method = method, .threads = 1};
       const double estimate = static_cast<double>(estimate_memory(scene, settings));
       const double needed = static_cast<double>(World(scene, settings).info().memory);

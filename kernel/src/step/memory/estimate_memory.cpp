@@ -12,9 +12,11 @@ namespace {
 
 constexpr double of_world = 16'000;
 constexpr double of_relaxed = 280, of_solved = 550;  ///< a particle or rod of what nothing can touch
+constexpr double of_truss = 1'400;                   ///< that where rods are many more than particles
+constexpr double of_bend = 700;                      ///< of a bend, or a particle of a twist
 /// A particle or rod of islands with shapes, joints, springs or bodies. Nets are factorised whole there,
 /// which takes this times the fourth root of their particles.
-constexpr double of_relaxed_part = 1'050, of_solved_part = 1'550, of_net_part = 570;
+constexpr double of_relaxed_part = 1'050, of_solved_part = 1'550, of_net_part = 600;
 constexpr double of_shape = 50, of_ground = 400;  ///< a piece of ground: a triangle of a mesh, and so on
 
 bool has_parts(const Scene& scene) {
@@ -25,7 +27,8 @@ bool has_parts(const Scene& scene) {
 
 double bytes_an_item(const Scene& scene, const Settings& settings) {
   const bool is_relaxed = settings.method == Method::relax;
-  if (!has_parts(scene)) return is_relaxed ? of_relaxed : of_solved;
+  const bool is_truss = scene.rods.size() > 5 * scene.particles.size() / 2;
+  if (!has_parts(scene)) return is_relaxed ? of_relaxed : is_truss ? of_truss : of_solved;
   if (is_relaxed) return of_relaxed_part;
   const double particles = static_cast<double>(scene.particles.size());
   const bool may_have_nets = scene.rods.size() > scene.particles.size() + 6 * scene.bodies.size();
@@ -45,8 +48,10 @@ double pieces_of_ground(const Scene& scene) {
 std::size_t estimate_memory(const Scene& scene, const Settings& settings) {
   const auto items = static_cast<double>(scene.particles.size() + scene.rods.size());
   const auto shapes = static_cast<double>(scene.capsules.size() + scene.hulls.size());
-  return static_cast<std::size_t>(of_world + items * bytes_an_item(scene, settings) + of_shape * shapes +
-                                  of_ground * pieces_of_ground(scene));
+  auto bends = static_cast<double>(scene.bends.size());
+  for (const Twist& each : scene.twists) bends += static_cast<double>(each.particles.size());
+  return static_cast<std::size_t>(of_world + items * bytes_an_item(scene, settings) + of_bend * bends +
+                                  of_shape * shapes + of_ground * pieces_of_ground(scene));
 }
 
 }  // namespace plumb
