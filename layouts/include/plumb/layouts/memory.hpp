@@ -1,9 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <limits>
-#include <new>
 #include <vector>
 
 namespace plumb {
@@ -52,11 +49,12 @@ struct NotingAllocator {
   template <class U>
   NotingAllocator(const NotingAllocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor)
 
-  T* allocate(std::size_t count) {
-    if (count > std::numeric_limits<std::ptrdiff_t>::max() / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(allocate_noted(count * sizeof(T), alignof(T)));
+  T* allocate(std::size_t count) { return static_cast<T*>(allocate_noted(bytes(count), alignof(T))); }
+  void deallocate(T* at, std::size_t count) noexcept { deallocate_noted(at, bytes(count), alignof(T)); }
+
+  static std::size_t bytes(std::size_t count) {
+    return count * sizeof(T);  // NOLINT(bugprone-sizeof-expression): of pointers, too
   }
-  void deallocate(T* at, std::size_t count) noexcept { deallocate_noted(at, count * sizeof(T), alignof(T)); }
 
   friend bool operator==(NotingAllocator, NotingAllocator) { return true; }
 };
