@@ -152,5 +152,25 @@ TEST(DrivenEnergy, LeavesTheOrder) {
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.2);
 }
 
+// What an anchor gave stays when it stops: flights of a higher order do not go back to the energy of before.
+TEST(DrivenEnergy, StaysWhereAnAnchorStops) {
+  const Scene scene = crane(20, {1, 0, 0});
+  World world(
+      scene,
+      {.method = Method::direct, .gradient = Gradient::old, .substeps = 8, .time_order = 4, .threads = 1});
+  const double before = energy(scene, world);
+  test::run(world, frame, 20);
+  EXPECT_NEAR(energy(scene, world), before, 1e-6);
+  for (int i = 1; i <= 30; ++i) {
+    world.move_anchor(0, {0.01 * i, 0.02 * i, 0});
+    world.step(frame);
+  }
+  test::run(world, frame, 2);
+  const double after = energy(scene, world);
+  EXPECT_GT(after, before + 50);  // 22 kg were lifted by 0.6 m
+  test::run(world, frame, 60);
+  EXPECT_NEAR(energy(scene, world), after, 1e-3);
+}
+
 }  // namespace
 }  // namespace plumb

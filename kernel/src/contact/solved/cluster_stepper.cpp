@@ -125,7 +125,10 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
-  if (!state.is_driven()) guard_energy(before, 0, false, false, report);
+  if (!state.is_driven())
+    guard_energy(before, 0, false, false, report);
+  else if (state.laws.empty())
+    state.energy.reset();
   std::copy_n(island.v.begin(), state.linkage->movable(), state.v.begin());
   state.kept.clear();
   return true;
