@@ -83,7 +83,8 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
-  if (use == Use::relaxed || (part.bodies.empty() && airs_.empty())) color_rods();
+  if (use == Use::relaxed || flat_rods() == 0) color_rods();
+  relaxes_ = part.bodies.empty() && airs_.empty() && colored_.colors() > 0;
   if (use == Use::relaxed) return;
   plan(isa);
   hold_constraints(x);

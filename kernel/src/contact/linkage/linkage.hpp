@@ -101,8 +101,9 @@ class Linkage {
   std::uint32_t movable() const { return movable_; }
   /// Returns the mass of a movable particle with its share of rods and bodies, kg.
   double mass_of(std::uint32_t particle) const { return weights_[particle]; }
-  /// Returns whether it has particles, rods and joints alone, so that relaxation can move it.
-  bool can_relax() const { return colored_.colors() > 0; }
+  /// Returns whether relaxation can move it, and does so well: it has particles, rods and joints alone.
+  bool can_relax() const { return colored_.colors() > 0 || rods_.empty(); }
+  bool relaxes_well() const { return relaxes_; }
   const ColoredRods& colored() const { return colored_; }
   /// Calls visit(apart) for every ball joint, with the sum that is to be nothing.
   template <class Visit>
@@ -358,8 +359,7 @@ class Linkage {
   void color_rods();
   void plan(Isa isa);
   void find_taut_rods(const Scene& part);
-  void place_constraints();
-  void find_loose();
+  void place_constraints(), find_loose();
   /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.
   Array<double> soften(double share, std::span<double> values) const;
   void hold_constraints(std::span<const Vec3> x);
@@ -394,7 +394,7 @@ class Linkage {
   Vec3 gravity_{};
   std::size_t first_grab_ = 0, targets_ = 0;
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0, softness_ = 0;
-  bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
+  bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false, relaxes_ = false;
 };
 
 }  // namespace plumb::detail

@@ -52,7 +52,7 @@ void Visitor::come(LinkageState& state, ProjectionWork* work) {
   state.energy.reset();
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
   if (work == nullptr) return;
-  project_positions(state, *work);
+  state.is_strained = !(project_positions(state, *work) <= most_left);
   project_velocities(state, *work);
 }
 

@@ -222,10 +222,11 @@ bool RelaxedStepper<T>::is_struck() const {
          (contacts_.has_hulls() && !contacts_.is_empty());
 }
 
-/// Returns up to which violation of rods a blow is swept on. What has no loops has no meshes that open.
+/// Returns up to which violation of rods a blow is swept on: no blow made what was there before it. What has
+/// no loops has no meshes that open.
 template <class T>
 double RelaxedStepper<T>::most_violated() const {
-  if (is_hit_) return least_crushed;
+  if (is_hit_) return std::max(least_crushed, crowd_.violation_before());
   return crowd_.has_loops() ? std::max(least_torn, crowd_.violation_before()) : INFINITY;
 }
 

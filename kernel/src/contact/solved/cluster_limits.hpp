@@ -29,8 +29,6 @@ inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 /// What would sink into ground by being relaxed is cut on, to this share, before it is relaxed all the same.
 inline constexpr double least_sunk = 1.0 / 512;
-/// Where rods cannot be brought to their lengths after that, they may keep this strain.
-inline constexpr double most_left = 1e-2;
 /// Where that brings them into ground, it is tried so often to hold them out of it.
 inline constexpr int most_holds = 4;
 /// What is looked for at an instant is looked for in a substep of this length (s).

@@ -1,7 +1,9 @@
-// This file finds how islands answer to pushes.
+// This file finds how islands answer to pushes, and lets rods buckle that do not.
 
 #include <algorithm>
+#include <cmath>
 
+#include "contact/levers/lever.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 
@@ -208,6 +210,71 @@ ClusterStepper::Answer ClusterStepper::answer(Island& island, std::uint32_t i) c
   for (std::uint32_t k = 0; k < linkage.movable(); ++k)
     out.free += push[k] == Vec3{} ? 0 : dot(push[k], push[k]) / linkage.mass_of(k);
   return out;
+}
+
+/// Makes room below rods that stand straight on ground and are driven into it: they could buckle, but have no
+/// direction to. Particles are nudged aside, always alike, by turns to both sides, and far enough for rods to
+/// be as much shorter along the line as the substep asks for. That is done once in a step.
+void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
+  is_buckled_ = true;
+  keep_motion(cluster);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    bool has_room = !islands_[i].buckles;
+    for (double share = least_nudge; !has_room && share <= most_nudge; share *= wider)
+      has_room = make_room(i, share, surroundings);
+    if (!has_room) return return_to_motion(cluster);
+  }
+}
+
+/// Nudges an island's particles aside by this share of its largest rod, if it is to buckle, or as far as all
+/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that.
+bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  state.return_to(before_[i]);
+  island.there = state.x;
+  projection_.holds.clear();
+  Vec3 along{};
+  double lean = 2 * share;  // the sine of the angle
+  for (const Row& row : rows_)
+    for (std::uint32_t k = 0; row.kind == Kind::normal && row.closes > still_ && k < row.ends; ++k) {
+      if (row.island[k] != i || (row.over != 0 && row.p <= 0)) continue;
+      const Side& side = island.sides[row.side[k]];
+      Combination at;
+      for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
+        at.add(island.terms[t].particle, island.terms[t].weight);
+      const double lift = (row.closes - std::min(0.0, row.gap)) / row.ends;
+      projection_.holds.push_back({at, side.along_a, dot(side.along_a, at.of(state.x)) + lift});
+      const double below = dot(side.along_a, state.x.back() - at.of(state.x));
+      if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
+      along = side.along_a;
+    }
+  if (projection_.holds.empty()) return true;
+  lean = std::min(lean, 2 * most_nudge);
+  const Vec3 aside = (0.5 * lean * state.linkage->size()) * across(along).front(), last = state.x.back();
+  const double nearer = 1 - std::sqrt(1 - lean * lean);
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+    state.x[k] += (k % 2 == 0 ? aside : -1 * aside) - (nearer * dot(along, state.x[k] - last)) * along;
+  return bring_to_lengths(i, 0, surroundings);
+}
+
+/// Leans trees of rods faintly that have just landed exactly upright, so that a push moves them as one. They
+/// stand as long as no rod leans, and have no direction to fall to.
+void ClusterStepper::unbalance() {
+  for (const Row& row : rows_) {
+    if (row.kind != Kind::normal || row.p <= 0 || row.held || row.ends != 1 || is_wide_) continue;
+    const Island& island = islands_[row.island[0]];
+    LinkageState& state = *island.state;
+    const Linkage& linkage = *state.linkage;
+    const bool is_tree = linkage.rods() > 1 && linkage.rods() == linkage.constraints() &&
+                         linkage.rods() + 1 == linkage.movable() && state.laws.empty();
+    if (!is_tree || row.own > (1 + balanced) / linkage.mass() + island.held) continue;
+    const auto [aside, aslant] = across(row.along);
+    const double by = faint * linkage.size();
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+      state.x[k] += (k % 2 == 0 ? by : -by) * aside + (k % 4 < 2 ? by : -by) * aslant;
+    state.factored = false;
+  }
 }
 
 }  // namespace plumb::detail

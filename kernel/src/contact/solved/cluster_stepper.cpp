@@ -58,26 +58,26 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   rows_.clear();  // Those of another cluster, or of another step, are none of this one's.
   for (LinkageState* const state : cluster) state->is_relaxed = state->is_pushed_out = false;
   now_ = cluster.front()->elapsed;
-  if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
-  double left = dt;
+  if (relax_crowd(cluster, surroundings, substeps, dt, report)) return;
+  left_ = dt;
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
-  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = false;
+  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = has_looked_ahead_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake && !cluster[0]->lengths.move();
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
   double likely = dt;  // a substep of this length is likely to be solved
-  while (left > 1e-12 * dt) {
+  while (left_ > 1e-12 * dt) {
     const double in_flight = rules.is_watched ? most_turn_if_watched : most_turn_in_flight;
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
     // What is late takes what is left at once, as far as it need not be cut: to try more takes more time.
     double usual = dt / substeps;
-    if (usual < std::min(cut, left) && report.is_late()) usual = left;
+    if (usual < std::min(cut, left_) && report.is_late()) usual = left_;
     const double least = report.has_spent_work() ? usual : dt / most_cuts;
     const double longest = std::max(std::min(usual, cut), least);
-    double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
-    now_ = start + dt - left;
+    double h = left_ / std::ceil(left_ / std::min(longest, likely) - 1e-9);
+    now_ = start + dt - left_;
     ground_.find(surroundings, now_);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
@@ -85,13 +85,13 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
       may_fly = is_alone(surroundings, h) && fly(rules.time_order, h, report);
       if (!may_fly) continue;
       ++report.direct_substeps;
-      left -= h;
+      left_ -= h;
       continue;
     }
     h = solve(cluster, surroundings, h, least, report);
     if (h == 0) break;
     ++report.direct_substeps;
-    left -= h;
+    left_ -= h;
     if (islands_[0].state->on_ground) likely = 2 * h;
   }
   for (LinkageState* const state : cluster) state->free_waves();

@@ -95,7 +95,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool substep(const Surroundings& surroundings, double h, Tally& report);
   double solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h,
                double least, Tally& report);
-  static bool is_crowd(std::span<LinkageState* const> cluster);
+  double solve_strained(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                        Tally& report);
   bool relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                    std::uint32_t substeps, double dt, Tally& report);
   bool presses_as_crowd() const;
@@ -147,9 +148,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool is_on_ground() const;
   bool try_otherwise(Tally& report);
   std::uint64_t count_points() const;
-  bool is_landing() const;
-  bool any_touch() const;
-  bool any_bends() const;
+  bool will_come_taut();
+  bool is_landing() const, any_touch() const, any_bends() const;
   std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
   void begin_elastics(Island& island, double h) const;
@@ -298,9 +298,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// `before` (J) is the energy before the substep, and what ground, anchors and rods that go have added
   /// since. `recovered` (J) is what ending overlaps may have lifted.
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
-  double energy() const;
-  double elastic_energy() const;
-  double weight() const;
+  double energy() const, elastic_energy() const, weight() const;
   bool is_passive() const;
   void take_back();
   /// Energies of what is awake, J.
@@ -364,12 +362,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool may_sink_ = true;          ///< what is relaxed may end deeper in ground than it was
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
+  bool keeps_strain_ = false;     ///< rods that do not fit may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to
   bool looks_for_crowd_ = false;               ///< what presses in many places is relaxed instead
   bool found_crowd_ = false;                   ///< and does
   bool is_fitted_ = false;                     ///< rods were brought to their lengths in this step
+  bool has_looked_ahead_ = false;              ///< it is known where anchors leave rods in this step
   bool is_buckled_ = false, buckles_ = false;  ///< rods were nudged aside in this step, or are to be
   bool has_momentum_ = false;                  ///< sweeps go on the way they went
   double kept_of_overlaps_ = 1;                ///< the share of their pushes that sweeps keep
@@ -389,7 +389,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Something was lifted in this step, and all motion stopped. What rests is lifted by what sweeps leave
   /// then, however short a substep is.
   bool is_stopped_ = false;
-  double now_ = 0;                 ///< s, since the beginning of the step
+  double now_ = 0, left_ = 0;      ///< s, since the beginning of the step, and until its end
   double shortest_ = 0;            ///< s
   double shortest_if_missed_ = 0;  ///< s, where something is in ground still
   Team* team_ = nullptr;           ///< that may help what is relaxed

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/levers/lever.hpp"
 #include "contact/rows.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -25,6 +24,25 @@ bool is_line(std::span<LinkageState* const> cluster) {
   return cluster.size() == 1 && linkage.rods() < linkage.particles() && linkage.colored().colors() <= of_line;
 }
 
+/// Returns whether islands touch each other, or what has loops touches anything, in many places, or could not
+/// be solved of late.
+bool is_crowd(std::span<LinkageState* const> cluster) {
+  std::size_t touching = 0;
+  for (const LinkageState* const state : cluster) {
+    if (state->relax_for > 0 && !is_line(cluster)) return true;
+    const bool is_net = has_loops(*state->linkage);
+    for (const KeptContact& each : state->kept)
+      touching += is_net ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
+  }
+  return touching > few_touching;
+}
+
+/// Returns whether rods of a cluster did not fit when they were looked at last.
+bool is_strained(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return state->is_strained; });
+}
+
 }  // namespace
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
@@ -34,7 +52,7 @@ bool is_line(std::span<LinkageState* const> cluster) {
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = sweeps_ground_ = takes_end_ = sinks_ = false;
+  loose_ = sweeps_ground_ = takes_end_ = sinks_ = keeps_strain_ = false;
   kept_of_overlaps_ = 1;
   bool was_loose = false;
   const bool is_lone = is_line(cluster);
@@ -62,6 +80,8 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     if (std::exchange(loose_, false)) h = halved;
     h /= 2;
     ++report.halvings;
+    if (h < shortest_ && overload_.state == nullptr && will_come_taut())
+      return solve_strained(cluster, surroundings, report);
     // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
     may_sink_ = !is_lone || h < std::max(least_sunk * whole, least / 16);
     const double relaxed = sinks_ ? h : whole;
@@ -76,14 +96,56 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       continue;
     }
     if (h >= least / 16) continue;
-    if (!break_overload(report) && !fit(cluster, surroundings)) {
-      ++report.unsolved;
-      stop();
-      return 0;
-    }
+    if (!break_overload(report) && !fit(cluster, surroundings))
+      return solve_strained(cluster, surroundings, report);
     h = whole;
   }
   return h;
+}
+
+/// Returns whether anchors that move leave some rods no place until the end of the step. What they hold gets
+/// as fast as they come near that as shorter substeps let it, and throws what touches it. That is looked at
+/// once in a step.
+bool ClusterStepper::will_come_taut() {
+  if (std::exchange(has_looked_ahead_, true)) return false;
+  projection_.holds.clear();
+  bool fits = true;
+  for (std::uint32_t i = 0; i < count_ && fits; ++i) {
+    LinkageState& state = *islands_[i].state;
+    if (!islands_[i].awake || !state.is_driven()) continue;
+    islands_[i].there = state.x;
+    for (std::size_t k = state.linkage->movable(); k < state.x.size(); ++k) state.x[k] += left_ * state.v[k];
+    state.lengths.follow(now_ + left_);
+    fits = project_positions(state, projection_) == 0;
+    state.x = islands_[i].there;
+    state.lengths.follow(now_);
+    state.factored = false;
+  }
+  return !fits;
+}
+
+/// Relaxes what is left of the step, in which rods may keep what they lack, where some do not fit. What hangs
+/// on anchors has come taut then, without a bounce: just before it is fast without going anywhere. Velocities
+/// are how far all went. Returns that time (s), or 0 if it cannot be relaxed: all stays where it is then.
+double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
+                                      const Surroundings& surroundings, Tally& report) {
+  keeps_strain_ = may_sink_ = true;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (LinkageState& state = *islands_[i].state; islands_[i].awake && state.linkage->is_grounded())
+      std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
+  if (!relax(cluster, surroundings, 1, left_, report)) {
+    ++report.unsolved;
+    stop();
+    return 0;
+  }
+  ++report.fallbacks;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    LinkageState& state = *islands_[i].state;
+    state.relax_for = patience;
+    for (std::uint32_t k = 0; islands_[i].awake && k < state.linkage->movable(); ++k)
+      state.v[k] = (1 / left_) * (state.x[k] - before_[i].x[k]);
+  }
+  return left_;
 }
 
 /// Changes how what halving did not help is solved, if there is another way. Returns whether there is.
@@ -135,24 +197,13 @@ bool ClusterStepper::any_touch() const {
          std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.kind == Kind::normal; });
 }
 
-/// Returns whether islands touch each other, or what has loops touches anything, in many places, or could not
-/// be solved of late.
-bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
-  std::size_t touching = 0;
-  for (const LinkageState* const state : cluster) {
-    if (state->relax_for > 0 && !is_line(cluster)) return true;
-    const bool is_net = has_loops(*state->linkage);
-    for (const KeptContact& each : state->kept)
-      touching += is_net ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
-  }
-  return touching > few_touching;
-}
-
-/// Relaxes a step of a crowd. Returns false, and nothing has moved, if it is none or cannot be relaxed.
+/// Relaxes a step of a crowd, or of what has rods that do not fit. Returns false, and nothing has moved, if
+/// it is none or cannot be relaxed.
 bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                                  std::uint32_t substeps, double dt, Tally& report) {
-  const bool relaxes = is_crowd(cluster);
-  looks_for_crowd_ = !relaxes;
+  keeps_strain_ = is_strained(cluster);
+  const bool relaxes = keeps_strain_ || (relaxes_crowds_ && is_crowd(cluster));
+  looks_for_crowd_ = relaxes_crowds_ && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
   may_sink_ = true;
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
@@ -202,7 +253,7 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   return true;
 }
 
-/// Brings the rods of what is awake to their lengths.
+/// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     const LinkageState& state = *islands_[i].state;
@@ -210,7 +261,10 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
     projection_.holds.clear();
-    if (!bring_to_lengths(i, most_left, surroundings)) return false;
+    const bool fits = bring_to_lengths(i, most_left, surroundings);
+    if (!fits && !keeps_strain_) return false;
+    if (!fits) islands_[i].state->x = islands_[i].there;
+    islands_[i].state->is_strained = !fits;
   }
   return true;
 }
@@ -228,71 +282,6 @@ bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundi
         moves = moves || norm(cluster[i]->x[k] - before_[i].x[k]) > unfitting * cluster[i]->linkage->size();
   if (!moves) return_to_motion(cluster);
   return moves;
-}
-
-/// Makes room below rods that stand straight on ground and are driven into it: they could buckle, but have no
-/// direction to. Particles are nudged aside, always alike, by turns to both sides, and far enough for rods to
-/// be as much shorter along the line as the substep asks for. That is done once in a step.
-void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
-  is_buckled_ = true;
-  keep_motion(cluster);
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    bool has_room = !islands_[i].buckles;
-    for (double share = least_nudge; !has_room && share <= most_nudge; share *= wider)
-      has_room = make_room(i, share, surroundings);
-    if (!has_room) return return_to_motion(cluster);
-  }
-}
-
-/// Nudges an island's particles aside by this share of its largest rod, if it is to buckle, or as far as all
-/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that.
-bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings& surroundings) {
-  Island& island = islands_[i];
-  LinkageState& state = *island.state;
-  state.return_to(before_[i]);
-  island.there = state.x;
-  projection_.holds.clear();
-  Vec3 along{};
-  double lean = 2 * share;  // the sine of the angle
-  for (const Row& row : rows_)
-    for (std::uint32_t k = 0; row.kind == Kind::normal && row.closes > still_ && k < row.ends; ++k) {
-      if (row.island[k] != i || (row.over != 0 && row.p <= 0)) continue;
-      const Side& side = island.sides[row.side[k]];
-      Combination at;
-      for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
-        at.add(island.terms[t].particle, island.terms[t].weight);
-      const double lift = (row.closes - std::min(0.0, row.gap)) / row.ends;
-      projection_.holds.push_back({at, side.along_a, dot(side.along_a, at.of(state.x)) + lift});
-      const double below = dot(side.along_a, state.x.back() - at.of(state.x));
-      if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
-      along = side.along_a;
-    }
-  if (projection_.holds.empty()) return true;
-  lean = std::min(lean, 2 * most_nudge);
-  const Vec3 aside = (0.5 * lean * state.linkage->size()) * across(along).front(), last = state.x.back();
-  const double nearer = 1 - std::sqrt(1 - lean * lean);
-  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
-    state.x[k] += (k % 2 == 0 ? aside : -1 * aside) - (nearer * dot(along, state.x[k] - last)) * along;
-  return bring_to_lengths(i, 0, surroundings);
-}
-
-/// Leans trees of rods faintly that have just landed exactly upright, so that a push moves them as one. They
-/// stand as long as no rod leans, and have no direction to fall to.
-void ClusterStepper::unbalance() {
-  for (const Row& row : rows_) {
-    if (row.kind != Kind::normal || row.p <= 0 || row.held || row.ends != 1 || is_wide_) continue;
-    const Island& island = islands_[row.island[0]];
-    LinkageState& state = *island.state;
-    const Linkage& linkage = *state.linkage;
-    const bool is_tree = linkage.rods() > 1 && linkage.rods() == linkage.constraints() &&
-                         linkage.rods() + 1 == linkage.movable() && state.laws.empty();
-    if (!is_tree || row.own > (1 + balanced) / linkage.mass() + island.held) continue;
-    const auto [aside, aslant] = across(row.along);
-    const double by = faint * linkage.size();
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k)
-      state.x[k] += (k % 2 == 0 ? by : -by) * aside + (k % 4 < 2 ? by : -by) * aslant;
-    state.factored = false;
-  }
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
@@ -315,7 +304,9 @@ void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                            std::uint32_t substeps, double dt, Tally& report) {
   const auto can_relax = [&](const LinkageState* state) {
-    return state->linkage->can_relax() && throw_of(*state, dt) <= farthest_throw * state->linkage->size();
+    const Linkage& linkage = *state->linkage;
+    return (keeps_strain_ ? linkage.can_relax() : linkage.relaxes_well()) &&
+           throw_of(*state, dt) <= farthest_throw * linkage.size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
   keep_motion(cluster);
@@ -337,6 +328,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
       state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;
+    report.elastic_substeps += keeps_strain_ && is_strained(cluster);
     report.missed_contacts += gives_up_missed_;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;
