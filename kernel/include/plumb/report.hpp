@@ -89,8 +89,8 @@ struct StepReport {
   /// converge. That is gradient new or, where things touch, a looser grip or relaxation.
   std::uint64_t fallbacks = 0;
   std::uint64_t repeated_steps = 0;  ///< Steps of islands that were repeated, finer, to be accurate enough.
-  /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods: what they lack is
-  /// shared.
+  /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods, or relaxed where
+  /// they touch: what they lack is shared.
   std::uint64_t elastic_substeps = 0;
   /// Substeps that elastic rods did not solve either. What is finite is taken all the same, and what is not
   /// stays where it was. Method multipliers counts projections that did not converge.
