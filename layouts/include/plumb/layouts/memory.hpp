@@ -63,12 +63,11 @@ struct NotingAllocator {
 template <class T>
 using Array = std::vector<T, NotingAllocator<T>>;
 
-/// Base of classes whose objects lie where arrays do.
+/// Base of classes whose objects lie where arrays do. They may hold the widest vectors.
 struct InMemory {
-  static void* operator new(std::size_t bytes) { return allocate_noted(bytes, alignof(std::max_align_t)); }
-  static void operator delete(void* at, std::size_t bytes) noexcept {
-    deallocate_noted(at, bytes, alignof(std::max_align_t));
-  }
+  static constexpr std::size_t boundary = 64;  ///< B
+  static void* operator new(std::size_t bytes) { return allocate_noted(bytes, boundary); }
+  static void operator delete(void* at, std::size_t bytes) noexcept { deallocate_noted(at, bytes, boundary); }
 };
 
 }  // namespace plumb
