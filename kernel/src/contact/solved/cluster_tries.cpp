@@ -47,8 +47,9 @@ bool is_strained(std::span<LinkageState* const> cluster) {
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
 /// twice, with a loose grip, and relaxed. Then it is tried whole again, with ground that is swept and with
-/// overlaps that yield to each other, and at last halved on. Returns its length. It is 0 if nothing was
-/// found: what cannot be solved stays where it is, and keeps what motion is common to it.
+/// overlaps that yield to each other, and at last halved on. Where rods do not fit, all that is left of the
+/// step is relaxed. Returns its length. It is 0 if nothing was found: what cannot be solved stays where it
+/// is, and keeps what motion is common to it.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
