@@ -241,6 +241,28 @@ TEST(Sleepers, OfTheirOwnSolversWakeWhenGroundComes) {
   EXPECT_GE(world.position(0).y, 0.5) << "the box is 0.5 m up";
 }
 
+// A racket at v hits a ball of speed u, which leaves at u + 2 v: more than either has, alone or together.
+TEST(MovingGround, RacketsGiveABallTwiceTheirSpeedMore) {
+  for (const Method method : {Method::direct, Method::relax})
+    for (const double ball : {0.5, 2.0, 8.0}) {
+      constexpr double racket = 2;  // m/s
+      Scene scene;
+      scene.gravity = {};
+      const Surface surface{.friction = 0, .restitution = 1};
+      scene.platforms.emplace_back();
+      scene.boxes.push_back(
+          {.center = {0, -0.5, 0}, .half_size = {1, 0.5, 1}, .surface = surface, .motion = {.platform = 0}});
+      test::add_ball(scene, {0, 0.3, 0}, 0.1, 1, {0, -ball, 0}, surface);
+      World world(scene, {.method = method, .substeps = 4, .threads = 1});
+      for (int i = 1; i <= 12; ++i) {
+        world.move_platform(0, {.position = {0, i * frame * racket, 0}});
+        world.step(frame);
+      }
+      SCOPED_TRACE(testing::Message() << to_string(method) << ", ball " << ball);
+      EXPECT_NEAR(world.velocity(0).y, ball + 2 * racket, 1e-6);
+    }
+}
+
 /// Blocks on a turntable that tilts, in a lift.
 Scene crowd_on_platforms() {
   Scene scene;

@@ -110,15 +110,19 @@ bool Surroundings::move_under(const Bounds& bounds, std::span<const Filter> filt
   });
 }
 
-Bounds Surroundings::carried(const Bounds& bounds, std::span<const Filter> filters) const {
-  if (!moves_) return bounds;
-  double farthest = 0;
+double Surroundings::speed_under(const Bounds& bounds, std::span<const Filter> filters) const {
+  if (!moves_) return 0;
+  double most = 0;
   any_ground(bounds, filters, [&](double speed, Vec3 belt, auto&& reaches) {
-    const double far = (speed + norm(belt)) * dt_;
-    if (far > farthest && reaches(grown(bounds, speed * dt_))) farthest = far;
+    const double surface = speed + norm(belt);
+    if (surface > most && reaches(grown(bounds, speed * dt_))) most = surface;
     return false;
   });
-  return grown(bounds, farthest);
+  return most;
+}
+
+Bounds Surroundings::carried(const Bounds& bounds, std::span<const Filter> filters) const {
+  return moves_ ? grown(bounds, speed_under(bounds, filters) * dt_) : bounds;
 }
 
 void Surroundings::find(const Bounds& bounds, Array<std::uint32_t>& out) const {

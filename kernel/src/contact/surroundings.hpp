@@ -38,8 +38,10 @@ struct Surroundings {
   /// Returns whether some ground that shapes with such filters may touch reaches into the box `bounds` within
   /// the step.
   bool reach_into(const Bounds& bounds, std::span<const Filter> filters) const;
-  /// Likewise of ground that moves, or whose surface does.
+  /// Likewise of ground that moves, or whose surface does, within a step.
   bool move_under(const Bounds& bounds, std::span<const Filter> filters) const;
+  /// Returns the speed (m/s) of the fastest surface of such ground, or 0.
+  double speed_under(const Bounds& bounds, std::span<const Filter> filters) const;
   /// Returns the box `bounds` and what of its surroundings is reached when ground carries what is in it.
   Bounds carried(const Bounds& bounds, std::span<const Filter> filters) const;
   /// Returns whether some ground may move.

@@ -232,7 +232,7 @@ T Crowd<T>::violation(const simd::AccessKernels<T>& kernels) {
 }
 
 template <class T>
-double Crowd<T>::violation_before() const {
+double Crowd<T>::violation_of_positions() const {
   double most = 0;
   for (const CrowdPlaces::Rod& rod : places_.rods()) {
     if (rod.island == none) continue;

@@ -63,8 +63,8 @@ class Crowd {
   void sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts);
   /// Returns the largest violation of a rod, |C|/L².
   T violation(const simd::AccessKernels<T>& kernels);
-  /// Returns the largest violation of a rod where the substep begins, |C|/L².
-  double violation_before() const;
+  /// Returns the largest violation of a rod where particles are, before what moves them in a substep, |C|/L².
+  double violation_of_positions() const;
   /// Ends a substep: moves particles and finds their velocities.
   void advance(double h, Gradient gradient);
   /// Returns the kinetic energy (J) of velocities, or of displacements in h (s).

@@ -19,7 +19,8 @@ constexpr double least_crushed = 1e-3;
 /// before. A net opens its meshes no farther then than 5 %.
 constexpr double least_torn = 0.1;
 /// Where sweeps leave rods violated by more than this share, gradient mid would turn that into speed along
-/// them. It takes what particles moved for their velocity then, as in a block (relax.cpp).
+/// them. It takes what particles moved for their velocity then, as in a block (relax.cpp). Gradient new makes
+/// speed of it where rods do not fit at all: from sweep to sweep what they lack goes elsewhere.
 constexpr double least_guarded = 0.05;
 /// A substep in which something is struck, and torn or passed all the same, is cut into at most so many.
 constexpr std::uint32_t most_struck_cuts = 32;
@@ -52,6 +53,8 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   }
   ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
+  step_ = dt;
+  driving_energy_ = driving_energy(cluster, surroundings);
   const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps);
   std::uint32_t substeps = rules.substeps * cuts;
   is_hit_ = cuts > 1 || (contacts_.has_hulls() && is_crushed());
@@ -109,14 +112,24 @@ bool RelaxedStepper<T>::is_crushed() {
   return crowd_.violation(rod_kernels()) > least_crushed;
 }
 
-/// Returns whether anchors that move, or elastics, may give energy.
+/// Returns the energy of motion (J) of a cluster that is twice as fast all over as what drives it: anchors,
+/// winches and ground. With what else it has, that is the most that ground gives by a blow.
 template <class T>
-bool RelaxedStepper<T>::is_driven(std::span<LinkageState* const> cluster) {
-  return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
-    const auto anchors = std::span(state->v).subspan(state->linkage->movable());
-    return !state->linkage->elastics().empty() || state->lengths.move() ||
-           std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; });
-  });
+double RelaxedStepper<T>::driving_energy(std::span<LinkageState* const> cluster,
+                                         const Surroundings& surroundings) const {
+  double speed = 0, mass = 0;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    const LinkageState& state = *cluster[i];
+    const Linkage& linkage = *state.linkage;
+    if (!crowd_.is_moving(i)) continue;
+    for (const Vec3 v : std::span(state.v).subspan(linkage.movable())) speed = std::max(speed, norm(v));
+    speed = std::max(speed, state.lengths.speed());
+    mass += linkage.mass();
+    if (!surroundings.any_moves()) continue;
+    const Bounds bounds = reach(state, top_speed(state), step_, settings_.margin);
+    speed = std::max(speed, surroundings.speed_under(bounds, linkage.filters()));
+  }
+  return 2 * mass * speed * speed;
 }
 
 template <class T>
@@ -151,17 +164,17 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   follow_lengths(cluster, span.start + h);
   crowd_.predict(h, Gradient::new_);
   contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
-  const bool is_guarded = !surroundings.any_moves() && !is_driven(cluster);
-  double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
+  Energies before{.moving = crowd_.kinetic_of_moves(h)};
   while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
     contacts_.keep(cluster, crowd_);
     scatter(cluster);
     gather(cluster, surroundings, span.left);
     crowd_.predict(h, Gradient::new_);
-    if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
+    before.moving = crowd_.kinetic_of_moves(h);
   }
   Gradient gradient = predict(cluster, h);
   begin_rows(cluster, h);
+  before.elastic = elastic_energy(cluster);
   is_swept_on_ = false;
   solve(gradient, report);
   bool is_missed = false;
@@ -185,9 +198,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   crowd_.advance(h, gradient);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
-  const bool is_violent =
-      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
-  if (is_guarded && is_violent && gradient == Gradient::new_) guard_energy(most_energy, report);
+  if (gradient == Gradient::new_) guard_energy(cluster, before, h, bounces, report);
   contacts_.end(cluster, crowd_, h);
   count_pulls(cluster, gradient, h);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
@@ -223,24 +234,52 @@ bool RelaxedStepper<T>::is_struck() const {
 }
 
 /// Returns up to which violation of rods a blow is swept on: no blow made what was there before it. What has
-/// no loops has no meshes that open.
+/// no loops has no meshes that open. Rods that do not fit lack more from substep to substep.
 template <class T>
 double RelaxedStepper<T>::most_violated() const {
-  if (is_hit_) return std::max(least_crushed, crowd_.violation_before());
-  return crowd_.has_loops() ? std::max(least_torn, crowd_.violation_before()) : INFINITY;
+  if (!is_hit_ && !crowd_.has_loops()) return INFINITY;
+  const double before = crowd_.violation_of_positions();
+  if (before > least_torn) return before + least_torn * (1 + before);
+  return is_hit_ ? std::max(least_crushed, before) : least_torn;
 }
 
-/// Bounces by single places, and what a blow or the momentum of sweeps winds up, give no energy (J) of
-/// motion. What flies keeps its momentum while it is held back.
+/// Bounces by single places, what a blow or the momentum of sweeps winds up, and rods that do not fit give no
+/// energy of motion. What drives does, but not to rods that do not fit. What flies keeps its momentum while
+/// it is held back.
 template <class T>
-void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
+void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, const Energies& before, double h,
+                                     bool bounces, Tally& report) {
   const double energy = crowd_.kinetic();
+  if (!(energy > before.moving)) return;
+  const bool is_strained = crowd_.violation_of_positions() > least_guarded;
+  const bool is_violent =
+      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
+  if (!is_strained && !is_violent) return;
+  double most = std::max(before.moving, driving_energy_);
+  if (!is_strained && bounces)
+    most = before.moving + driving_energy_ + 2 * std::sqrt(before.moving * driving_energy_);
+  else if (!is_strained)
+    most += h / step_ * driving_energy_;
+  if (joints_.has_elastics()) {
+    scatter(cluster);
+    most += std::max(0.0, before.elastic - elastic_energy(cluster));
+  }
   if (!(energy > most)) return;
   ++(energy - most > contact_limits::gained * energy ? report.guarded_energy : report.trimmed_energy);
   typename Crowd<T>::CommonMotion common{};
   if (!contacts_.push_ground()) common = crowd_.common_motion();
   if (!(common.energy < most)) common = {};
   crowd_.slow(std::sqrt((most - common.energy) / (energy - common.energy)), common.velocity);
+}
+
+/// Returns what elastics hold (J), with their laws in this substep, where islands are.
+template <class T>
+double RelaxedStepper<T>::elastic_energy(std::span<LinkageState* const> cluster) const {
+  double sum = 0;
+  if (joints_.has_elastics())
+    for (std::uint32_t i = 0; i < cluster.size(); ++i)
+      if (crowd_.is_moving(i)) sum += cluster[i]->elastic_energy();
+  return sum;
 }
 
 template <class T>

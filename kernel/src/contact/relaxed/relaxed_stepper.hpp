@@ -47,6 +47,10 @@ class RelaxedStepper final : public ClusterMover {
   struct Span {
     double start, h, left;
   };
+  /// What a substep begins with: energy (J) as if nothing held the cluster, and what elastics hold.
+  struct Energies {
+    double moving = 0, elastic = 0;
+  };
   void advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                std::uint32_t cuts, Tally& report);
   double unhurried_substep(std::span<LinkageState* const> cluster) const;
@@ -59,8 +63,10 @@ class RelaxedStepper final : public ClusterMover {
   bool is_struck() const;
   double most_violated() const;
   std::uint32_t sweep_on(Gradient gradient);
-  static bool is_driven(std::span<LinkageState* const> cluster);
-  void guard_energy(double most, Tally& report);
+  double driving_energy(std::span<LinkageState* const> cluster, const Surroundings& surroundings) const;
+  double elastic_energy(std::span<LinkageState* const> cluster) const;
+  void guard_energy(std::span<LinkageState* const> cluster, const Energies& before, double h, bool bounces,
+                    Tally& report);
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
   void begin_rows(std::span<LinkageState* const> cluster, double h);
@@ -86,10 +92,11 @@ class RelaxedStepper final : public ClusterMover {
   Array<SweptNumbers<T>> swept_;
   std::uint32_t most_sweeps_ = 1;  ///< of a substep
   double recovery_rate_ = 0;
-  Team* team_ = nullptr;      ///< that may help
-  bool is_swept_on_ = false;  ///< in this substep, after a blow
-  bool is_hit_ = false;       ///< hulls move fast near what they may touch
-  bool counts_ = false;       ///< some island's pulls count
+  double step_ = 0, driving_energy_ = 0;  ///< s, J, of the step
+  Team* team_ = nullptr;                  ///< that may help
+  bool is_swept_on_ = false;              ///< in this substep, after a blow
+  bool is_hit_ = false;                   ///< hulls move fast near what they may touch
+  bool counts_ = false;                   ///< some island's pulls count
 };
 
 extern template class RelaxedStepper<float>;
