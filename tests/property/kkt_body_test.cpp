@@ -10,7 +10,7 @@
 #include "simd/kkt/kkt_lanes.hpp"
 // clang-format on
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "simd/kkt/kkt_kernels.hpp"
 #include "support/graphs.hpp"

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "direct/trees/tree_state.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "support/dense_solves.hpp"
 #include "support/graphs.hpp"
 #include "support/random_trees.hpp"
 #include "support/sanitizers.hpp"
@@ -32,9 +32,9 @@ using test::below;
 using test::Random;
 using test::signed_unit;
 
-using Real = long double;
-using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
-using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+using test::Real;
+using Matrix = test::DenseMatrix;
+using Vector = test::DenseVector;
 using Vector3 = Eigen::Matrix<Real, 3, 1>;
 
 /// The one island of a scene, as the simulation finds it.
@@ -180,7 +180,7 @@ class Dense {
       }
       right[n_ + c] = -(b.squaredNorm() - length2(c)) / 2;
     }
-    return matrix.fullPivLu().solve(right);
+    return test::solve_dense(matrix, right);
   }
 
   /// delta' of M delta' = M delta + kick force + J^T lambda, J delta' = 0, ties from tie_u to tie_delta.
@@ -194,7 +194,7 @@ class Dense {
       put_rod(matrix, c, -rod(c), rod(c));
       if (c >= rods_) right[n_ + c] = rod(c).dot(at(tree_.tie_delta, c - rods_));
     }
-    return matrix.completeOrthogonalDecomposition().solve(right).head(n_);
+    return test::solve_dense(matrix, right).head(n_);
   }
 
   /// The largest eigenvalue of M^-1 K, K what |mu| in every rod makes of displacements across it.
@@ -209,10 +209,7 @@ class Dense {
       add(stiffness, i, p, -pull);
       add(stiffness, p, i, -pull);
     }
-    return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(
-               stiffness.cast<double>(), mass_.cast<double>(), Eigen::EigenvaluesOnly)
-        .eigenvalues()
-        .maxCoeff();
+    return test::largest_eigenvalue(stiffness, mass_);
   }
 
   /// Whether no rod is redundant or nearly so: the least pivot of J J^T, rows of length 1.
@@ -224,9 +221,7 @@ class Dense {
       rates.block<1, 3>(c, 3 * i) = unit.transpose();
       if (p >= 0) rates.block<1, 3>(c, 3 * p) = -unit.transpose();
     }
-    return constraints() == 0 ||
-           (rates * rates.transpose()).eval().selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() >
-               1e-3L;
+    return constraints() == 0 || test::least_eigenvalue(rates * rates.transpose()) > 1e-3;
   }
 
  private:

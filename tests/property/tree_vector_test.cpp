@@ -1,4 +1,5 @@
-// Trees side by side in the lanes of vectors that every machine has: the bits of the scalar body.
+// Trees side by side in the lanes of vectors, of every instruction set that this machine has: the bits of the
+// scalar body.
 
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors that no call passes
 
@@ -35,12 +36,13 @@ std::vector<T> solved(const Scene& scene, const TreeKernels<T>& kernels, bool by
 
 template <class T>
 void expect_scalar_bits() {
-  const TreeKernels<T> here{prepare<T>,        newton<T>,  newton_line<T>, newton_segments<T>,
-                            find_stiffness<T>, advance<T>, project<T>};
   const Scene scene = scenes::make_ensemble({.chains = logical_width<T>, .links = 5, .vary = 0.5});
   for (const bool by_line : {false, true}) {
     const std::vector<T> wanted = solved<T>(scene, tree_kernels<T>(Isa::scalar), by_line);
-    EXPECT_EQ(solved<T>(scene, here, by_line), wanted) << by_line;
+    for (const Isa isa : all_isas()) {
+      if (!is_supported(isa)) continue;
+      EXPECT_EQ(solved<T>(scene, tree_kernels<T>(isa), by_line), wanted) << to_string(isa) << ", " << by_line;
+    }
     EXPECT_NE(wanted.front(), 0);
   }
 }

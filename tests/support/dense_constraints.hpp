@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <utility>
 #include <vector>
 
 #include "plumb/scene.hpp"
+#include "support/dense_solves.hpp"
 
 namespace plumb::test {
 
@@ -12,9 +13,9 @@ namespace plumb::test {
 /// redundant, the least multipliers, and 0 for elastic ones. O(n³); for comparison with what is clever.
 class DenseConstraints {
  public:
-  using Real = long double;
-  using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+  using Real = test::Real;
+  using Matrix = DenseMatrix;
+  using Vector = DenseVector;
 
   DenseConstraints(const Scene& scene, MassModel model) : row_(scene.particles.size(), -1) {
     for (std::size_t i = 0; i < row_.size(); ++i) {
@@ -55,7 +56,7 @@ class DenseConstraints {
   Eigen::Index row(std::size_t particle) const { return row_[particle] < 0 ? -1 : 3 * row_[particle]; }
   Eigen::Index unknowns() const { return 3 * movable_; }
   const Matrix& matrix() const { return all_; }
-  Vector solve(const Vector& right) const { return all_.completeOrthogonalDecomposition().solve(right); }
+  Vector solve(const Vector& right) const { return solve_dense(all_, right); }
 
  private:
   std::vector<Eigen::Index> row_;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -17,6 +17,7 @@
 #include "direct/loops/loop_stepper.hpp"
 #include "scenes/basics/seeded.hpp"
 #include "scenes/generators/generators.hpp"
+#include "support/dense_solves.hpp"
 #include "support/islands.hpp"
 #include "support/laws.hpp"
 #include "support/random_trees.hpp"
@@ -123,7 +124,9 @@ TEST(NetMatrix, SolvesWhatADenseMatrixDoes) {
     Eigen::VectorXd right(3 * shape.nodes);
     for (std::uint32_t i = 0; i < shape.nodes; ++i)
       right.segment<3>(3 * i) << numbers.right[i].x, numbers.right[i].y, numbers.right[i].z;
-    const Eigen::VectorXd truth = dense(*shape.net, numbers).ldlt().solve(right);
+    const Eigen::VectorXd truth =
+        test::solve_dense(dense(*shape.net, numbers).cast<test::Real>(), right.cast<test::Real>())
+            .cast<double>();
     for (std::uint32_t i = 0; i < shape.nodes; ++i)
       EXPECT_LE(norm(x[i] - Vec3{truth(3 * i), truth(3 * i + 1), truth(3 * i + 2)}), 1e-9);
   }

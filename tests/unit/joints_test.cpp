@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plumb/error.hpp"
+#include "support/dense_solves.hpp"
 #include "support/random_trees.hpp"
 
 namespace plumb {
@@ -70,7 +71,7 @@ double& coordinate(Scene& scene, std::size_t i) {
 }
 
 /// The freedoms left by rods and joints: coordinates less the rank of the Jacobian, by central differences
-/// (error 1e-9, far below the singular values that count). All rows must count, too.
+/// (error 1e-9, far below the pivots that count). All rows must count, too.
 Eigen::Index freedoms(Scene scene) {
   const Eigen::Index columns = static_cast<Eigen::Index>(3 * scene.particles.size());
   Eigen::MatrixXd jacobian(violation(scene).size(), columns);
@@ -83,10 +84,9 @@ Eigen::Index freedoms(Scene scene) {
     jacobian.col(i) = (more - violation(scene)) / (2 * h);
     x = was;
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian);
-  svd.setThreshold(1e-6);
-  EXPECT_EQ(svd.rank(), jacobian.rows()) << "a joint forbids something twice";
-  return columns - svd.rank();
+  const Eigen::Index rank = test::rank_of(jacobian.cast<test::Real>(), 1e-6L);
+  EXPECT_EQ(rank, jacobian.rows()) << "a joint forbids something twice";
+  return columns - rank;
 }
 
 Vec3 turned(Vec3 v, Vec3 unit, double angle) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "linear/sparse_cholesky.hpp"
 #include "scenes/generators/generators.hpp"
