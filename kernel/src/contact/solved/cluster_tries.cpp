@@ -126,8 +126,9 @@ bool ClusterStepper::will_come_taut() {
 }
 
 /// Relaxes what is left of the step, in which rods may keep what they lack, where some do not fit. What hangs
-/// on anchors has come taut then, without a bounce: just before it is fast without going anywhere. Velocities
-/// are how far all went. Returns that time (s), or 0 if it cannot be relaxed: all stays where it is then.
+/// on anchors has come taut then, without a bounce: just before it is fast without going anywhere. The
+/// others' velocities are how far they went. Returns that time (s), or 0 if it cannot be relaxed: all stays
+/// where it is then.
 double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
                                       const Surroundings& surroundings, Tally& report) {
   keeps_strain_ = may_sink_ = true;
@@ -143,7 +144,8 @@ double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     state.relax_for = patience;
-    for (std::uint32_t k = 0; islands_[i].awake && k < state.linkage->movable(); ++k)
+    if (!islands_[i].awake || state.linkage->is_grounded()) continue;
+    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
       state.v[k] = (1 / left_) * (state.x[k] - before_[i].x[k]);
   }
   return left_;
