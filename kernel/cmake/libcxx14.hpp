@@ -27,8 +27,9 @@ constexpr auto operator<=>(const array<T, n>& a, const array<T, n>& b) -> declty
     if (const auto order = a[i] <=> b[i]; order != 0) return order;
   return strong_ordering::equal;
 }
-template <class T>
-constexpr auto operator<=>(const vector<T>& a, const vector<T>& b) -> decltype(a[0] <=> b[0]) {
+template <class T, class Allocator>
+constexpr auto operator<=>(const vector<T, Allocator>& a, const vector<T, Allocator>& b)
+    -> decltype(a[0] <=> b[0]) {
   for (size_t i = 0; i < a.size() && i < b.size(); ++i)
     if (const auto order = a[i] <=> b[i]; order != 0) return order;
   return a.size() <=> b.size();
