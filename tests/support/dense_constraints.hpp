@@ -13,7 +13,6 @@ namespace plumb::test {
 /// redundant, the least multipliers, and 0 for elastic ones. O(n³); for comparison with what is clever.
 class DenseConstraints {
  public:
-  using Real = test::Real;
   using Matrix = DenseMatrix;
   using Vector = DenseVector;
 

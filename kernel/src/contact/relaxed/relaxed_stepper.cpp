@@ -256,10 +256,9 @@ void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, con
       rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
   if (!is_strained && !is_violent) return;
   double most = std::max(before.moving, driving_energy_);
-  if (!is_strained && bounces)
-    most = before.moving + driving_energy_ + 2 * std::sqrt(before.moving * driving_energy_);
-  else if (!is_strained)
-    most += h / step_ * driving_energy_;
+  if (!is_strained)
+    most = bounces ? before.moving + driving_energy_ + 2 * std::sqrt(before.moving * driving_energy_)
+                   : most + h / step_ * driving_energy_;
   if (joints_.has_elastics()) {
     scatter(cluster);
     most += std::max(0.0, before.elastic - elastic_energy(cluster));
