@@ -8,6 +8,7 @@ import sys
 import time
 
 SKIPPED = 77
+PATIENCE = 120  # seconds: a machine that also compiles draws a frame in as many as five
 
 
 def skip(reason):
@@ -17,7 +18,7 @@ def skip(reason):
 
 try:
     from selenium import webdriver
-    from selenium.common.exceptions import WebDriverException
+    from selenium.common.exceptions import TimeoutException, WebDriverException
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
@@ -51,6 +52,26 @@ def start_browser(dark, width, height):
     return browser
 
 
+def wait_until(condition, what, tell):
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if condition():
+            return
+        time.sleep(0.05)
+    raise AssertionError("in vain waited until " + what + "; " + tell())
+
+
+def take_picture(browser, file):
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            browser.save_screenshot(file)
+            return
+        except TimeoutException:  # the driver waits for ten seconds
+            if time.monotonic() > end:
+                raise
+
+
 class View:
     """A server and what a browser sees of it."""
 
@@ -75,12 +96,8 @@ class View:
     def until(self, condition, what):
         # A page that has been told of other worlds has no frame until theirs comes.
         known = "window.plumb.frame && " if "plumb.frame." in condition else ""
-        for _ in range(300):
-            if self.js(f"return Boolean({known}({condition}))"):
-                return
-            time.sleep(0.05)
-        raise AssertionError("in vain waited until " + what + "; note: " + str(self.js(
-            "return document.getElementById('note')?.textContent")))
+        wait_until(lambda: self.js(f"return Boolean({known}({condition}))"), what,
+                   lambda: "note: " + str(self.js("return document.getElementById('note')?.textContent")))
 
     def click(self, element):
         self.browser.find_element(By.ID, element).click()
@@ -132,15 +149,13 @@ def check_hands(view):
     before = view.js("return window.plumb.frame.sides[0].positions[1 + 3 * arguments[0]]", last)
     actions = ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold()
     actions.perform()
-    assert view.js("return window.plumb.painter.held") == last, "the end is held"
+    view.until(f"window.plumb.painter.held === {last}", "the end is held")
     view.js("window.plumb.page.send(window.plumb.requests.play())")
     actions = ActionChains(view.browser, duration=50)
     for _ in range(6):
         actions = actions.move_by_offset(0, -20)
     actions.perform()
-    time.sleep(1)
-    after = view.js("return window.plumb.frame.sides[0].positions[1 + 3 * arguments[0]]", last)
-    assert after > before, f"the end is lifted, from {before} to {after}"
+    view.until(f"window.plumb.frame.sides[0].positions[{1 + 3 * last}] > {before}", "the end is lifted")
     ActionChains(view.browser).release().perform()
     view.until("window.plumb.painter.held < 0", "the hand lets go")
 
@@ -163,7 +178,7 @@ def check_figure(view):
     view.pause()
     x, y = view.js(PLACE, 0)
     ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold().perform()
-    assert view.js("return window.plumb.painter.held") >= 0, "a limb is held"
+    view.until("window.plumb.painter.held >= 0", "a limb is held")
     view.js("window.plumb.page.send(window.plumb.requests.play())")
     ActionChains(view.browser, duration=50).move_by_offset(40, 30).move_by_offset(40, 30).perform()
     view.until("window.plumb.frame.sides[0].awake === 1", "the figure wakes")
@@ -201,7 +216,7 @@ def check_film(view, folder):
     view.until("window.plumb?.frame", "the recording is shown")
     view.goes_on()
     assert view.js("return window.plumb.frame.sides[0].positions.length") == shown
-    view.browser.save_screenshot(os.path.join(folder, "film.png"))
+    take_picture(view.browser, os.path.join(folder, "film.png"))
 
 
 def check_refusals(view):
@@ -310,8 +325,9 @@ def check_page(plumb, folder):
         with View(plumb, browser, "rope", "--compare", "relax against direct") as view:
             assert len(view.js("return window.plumb.frame.sides")) == 2
             view.goes_on()
+            view.pause()
             view.click("reset")
-            view.until("window.plumb.frame.frame < 60", "it begins anew")
+            view.until("window.plumb.frame.frame === 0", "it begins anew")
             assert not view.severe(), view.severe()
         with View(plumb, browser, "humanoid:body=medium") as view:
             check_figure(view)
@@ -334,7 +350,7 @@ def check_phone(view, picture):
     assert edges[1] <= edges[2] + 1 and edges[1] > 200, "the view ends where controls begin"
     assert edges[2] <= edges[4] < edges[2] + 10, "the button that closes them stands still"
     view.goes_on()
-    view.browser.save_screenshot(picture)
+    take_picture(view.browser, picture)
     view.click("fold")
 
 
@@ -360,7 +376,7 @@ def take_pictures(plumb, folder):
                         over = view.js("return document.documentElement.scrollWidth > innerWidth")
                         assert not over, f"{scene} is wider than {width}"
                         tint = "dark" if dark else "light"
-                        browser.save_screenshot(os.path.join(folder, f"{scene}-{tint}-{width}.png"))
+                        take_picture(browser, os.path.join(folder, f"{scene}-{tint}-{width}.png"))
                         if width < 760:
                             check_phone(view, os.path.join(folder, f"{scene}-{tint}-controls.png"))
                         assert not view.severe(), view.severe()
