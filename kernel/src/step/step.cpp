@@ -104,6 +104,7 @@ void Step::reserve() {
   reserve_for(active_, sleep_.tasks().size());
   reserve_for(visited_, compiled_.solvers.size());
   reserve_for(last_dt_, compiled_.solvers.size());
+  if (compiled_.contact) reserve_for(edits_.cut, breaks_.weak().size());
 }
 
 StepReport Step::run(double dt) {
@@ -118,6 +119,7 @@ StepReport Step::run(double dt) {
   }
   budget_.end_step(rules_.substeps, rules_.error_growth.has_value(), report);
   has_broken_ = report.broken_rods > 0;
+  if (has_broken_) cut_broken();
   return report;
 }
 

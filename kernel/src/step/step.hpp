@@ -230,6 +230,8 @@ class Step : public InMemory {
   void carry_sleep(const Step& from);
   void fit();
   Array<std::uint32_t> broken_now() const;
+  void order_cut(std::uint32_t rod);
+  void cut_broken();
   void split(Fallen fallen, Split& now);
   void repeat(Split split_then);
   void exchange(const Fallen& fallen, Split& now, Compiled made);

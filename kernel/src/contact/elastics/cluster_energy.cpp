@@ -45,11 +45,16 @@ ClusterStepper::Energies ClusterStepper::energies_of_elastics() const {
   if (std::all_of(islands_.begin(), islands_.begin() + count_,
                   [](const Island& each) { return each.state->laws.empty(); }))
     return {};
-  Energies out{.all = elastic_energy()};
+  const double elastic = elastic_energy();
+  return {elastic, elastic + kinetic()};
+}
+
+/// Returns the energy of motion where a substep starts, J.
+double ClusterStepper::kinetic() const {
+  double sum = 0;
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake) out.moving += islands_[i].state->linkage->kinetic(islands_[i].state->v);
-  out.moving = out.all + out.moving;
-  return out;
+    if (islands_[i].awake) sum += islands_[i].state->linkage->kinetic(islands_[i].state->v);
+  return sum;
 }
 
 /// Returns the energy that lifts all by its size, J.
@@ -141,6 +146,60 @@ bool ClusterStepper::guard_elastics(const Energies& before, bool touched, bool c
   if (is_alone) {
     first.energy = std::min(wanted, now);
     first.most_motion = scale;
+  }
+  return true;
+}
+
+/// Returns the energy of motion (J) of all that is awake at twice the speed of what drives it.
+double ClusterStepper::driving_energy(const Surroundings& surroundings) const {
+  double speed = 0, mass = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const LinkageState& state = *islands_[i].state;
+    if (!islands_[i].awake) continue;
+    mass += state.linkage->mass();
+    speed = std::max(speed, state.driving_speed());
+    if (surroundings.any_moves())
+      speed = std::max(speed, surroundings.speed_under(islands_[i].bounds, state.linkage->filters()));
+  }
+  return 2 * mass * speed * speed;
+}
+
+/// Returns whether a substep may stand where something drives, which gives no more than a blow that bounces.
+/// What it squeezes, against an anchor, say, would be thrown at any speed. `before` (J) is all energy where
+/// the substep started.
+bool ClusterStepper::guard_driven(double before, const Surroundings& surroundings, bool can_shorten) {
+  double now = 0, potential = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!islands_[i].awake) continue;
+    const LinkageState& state = *islands_[i].state;
+    now += state.linkage->kinetic(islands_[i].v);
+    potential += state.linkage->potential(state.x, state.force);
+  }
+  const double then = kinetic();
+  if (!(now > then)) return true;
+  const double driving = driving_energy(surroundings);
+  if (driving == 0) return true;
+  const double released = std::max(0.0, before - then - potential - elastic_energy());
+  const double most = then + driving + 2 * std::sqrt(then * driving) + released + gained * weight();
+  is_squeezed_ = now > most && !can_shorten;
+  return now <= most;
+}
+
+/// Returns whether a substep may stand, as it is or with less motion. `before` (J) has what was given since
+/// it started, and `held` what elastics held then.
+bool ClusterStepper::guard(double before, const Energies& held, bool touched, bool can_shorten,
+                           Tally& report) {
+  const double recovered = touched ? work_of_recovery() : 0;
+  if (!guard_energy(before, recovered, touched, can_shorten && !(rests_ && is_stopped_), report)) {
+    // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
+    tries_again_ = touched && !tight_;
+    tight_ = true;
+    return false;
+  }
+  if (!guard_elastics({before + held.all, held.moving}, touched, can_shorten, report)) {
+    tries_again_ = !takes_end_;
+    takes_end_ = true;
+    return false;
   }
   return true;
 }

@@ -149,6 +149,12 @@ double LinkageState::most_of_blow() const {
   return 0.5 * linkage->mass() * fastest;
 }
 
+double LinkageState::driving_speed() const {
+  double most = lengths.speed();
+  for (const Vec3 of_anchor : std::span(v).subspan(linkage->movable())) most = std::max(most, norm(of_anchor));
+  return most;
+}
+
 Vec3 LinkageState::velocity_of_anchors() const {
   Vec3 sum{};
   for (std::size_t k = linkage->movable(); k < v.size(); ++k) sum += v[k];

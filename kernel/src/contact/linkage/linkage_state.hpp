@@ -177,6 +177,7 @@ struct LinkageState : LinkageMotion {
   bool is_driven() const;
   /// Returns the most energy (J) that goes where anchors and lengths change how fast they go, as in a blow.
   double most_of_blow() const;
+  double driving_speed() const;      ///< how fast anchors and lengths go at most, m/s
   Vec3 velocity_of_anchors() const;  ///< in the mean, m/s
   /// Returns what multipliers of constraints at x do as rods change their length, and as anchors go beside
   /// their mean: J for those of an impulse. Overwrites `unknowns`.

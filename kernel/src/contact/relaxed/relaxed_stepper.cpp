@@ -122,8 +122,7 @@ double RelaxedStepper<T>::driving_energy(std::span<LinkageState* const> cluster,
     const LinkageState& state = *cluster[i];
     const Linkage& linkage = *state.linkage;
     if (!crowd_.is_moving(i)) continue;
-    for (const Vec3 v : std::span(state.v).subspan(linkage.movable())) speed = std::max(speed, norm(v));
-    speed = std::max(speed, state.lengths.speed());
+    speed = std::max(speed, state.driving_speed());
     mass += linkage.mass();
     if (!surroundings.any_moves()) continue;
     const Bounds bounds = reach(state, top_speed(state), step_, settings_.margin);

@@ -63,7 +63,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
-  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = has_looked_ahead_ = false;
+  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = is_squeezed_ = has_looked_ahead_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake && !cluster[0]->lengths.move();
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
@@ -257,7 +257,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   is_unfound_ = !is_found && !found_crowd_ && !buckles_;
   if (!is_found) return false;
-  double before = energy() + work_of_given(&Island::pulls, now_) / h;
+  const double start = energy();
+  double before = start + work_of_given(&Island::pulls, now_) / h;
   const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
@@ -267,18 +268,9 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   before += work_of_given(&Island::end_pulls, now_ + h) + work_of_common(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  const double recovered = touched ? work_of_recovery() : 0;
-  if (!guard_energy(before, recovered, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
+  if (!guard_driven(start + held.all, surroundings, h > shortest_) ||
+      !guard(before, held, touched, h > shortest_, report)) {
     take_back();
-    // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
-    tries_again_ = touched && !tight_;
-    tight_ = true;
-    return false;
-  }
-  if (!guard_elastics({before + held.all, held.moving}, touched, h > shortest_, report)) {
-    take_back();
-    tries_again_ = !takes_end_;
-    takes_end_ = true;
     return false;
   }
   for (std::uint32_t i = 0; i < count_; ++i) {

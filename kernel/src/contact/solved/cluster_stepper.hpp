@@ -53,7 +53,7 @@ ContactSettings scaled(ContactSettings settings);
 ///
 /// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
 /// of a rigid whole, which keeps momentum and angular momentum. In free flight gradient old gets back what it
-/// would lose. With elastics it may rise by a share, see guard_elastics().
+/// would lose. With elastics it may rise by a share, see guard_elastics(), and driven, see guard_driven().
 class ClusterStepper final : public ClusterMover, ClusterRows {
  public:
   /// The settings are scaled already (scaled()). `relaxed` moves what cannot be solved, if given, and what
@@ -298,22 +298,23 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// `before` (J) is the energy before the substep, and what ground, anchors and rods that go have added
   /// since. `recovered` (J) is what ending overlaps may have lifted.
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
-  double energy() const, elastic_energy() const, weight() const;
+  double energy() const, elastic_energy() const, weight() const, kinetic() const;  // J
   bool is_passive() const;
-  void take_back();
+  void take_back(), stop();
   /// Energies of what is awake, J.
   struct Energies {
     double all = 0, moving = 0;  ///< with and without that of weight and constant forces
   };
   Energies energies_of_elastics() const;
   static void make_room_to_damp(Island& island);
-  void slow_down(double excess, double kinetic);
+  void slow_down(double excess, double kinetic), slow_all(double excess, double moving);
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
+  double driving_energy(const Surroundings& surroundings) const;  // J
+  bool guard_driven(double before, const Surroundings& surroundings, bool can_shorten);
+  bool guard(double before, const Energies& held, bool touched, bool can_shorten, Tally& report);
   static double height_of(const Island& island);
   double find_rigid_motion();
   Vec3 common_velocity();
-  void slow_all(double excess, double moving);
-  void stop();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
   void find_pushed_out(double h);
@@ -386,15 +387,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   bool rests_ = false;  ///< nothing is faster than what may sleep, as the substep begins
-  /// Something was lifted in this step, and all motion stopped. What rests is lifted by what sweeps leave
-  /// then, however short a substep is.
+  /// Something was lifted in this step, and all stopped. Sweeps lift what rests in substeps of any length.
   bool is_stopped_ = false;
-  double now_ = 0, left_ = 0;      ///< s, since the beginning of the step, and until its end
-  double shortest_ = 0;            ///< s
-  double shortest_if_missed_ = 0;  ///< s, where something is in ground still
-  Team* team_ = nullptr;           ///< that may help what is relaxed
-  double recovery_rate_ = 0;       ///< 1/s, the share that is taken back of overlaps and beyond limits
-  double still_ = 0;               ///< m, a change of a position that no longer matters
+  bool is_squeezed_ = false;                      ///< what drives would throw it, however short a substep is
+  double now_ = 0, left_ = 0;                     ///< s, since the beginning of the step, and until its end
+  double shortest_ = 0, shortest_if_missed_ = 0;  ///< s; the latter where something is in ground still
+  Team* team_ = nullptr;                          ///< that may help what is relaxed
+  double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
+  double still_ = 0;          ///< m, a change of a position that no longer matters
 };
 
 }  // namespace plumb::detail

@@ -59,6 +59,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   const bool is_lone = is_line(cluster);
   double halved = h;
   while (!substep(surroundings, h, report)) {
+    if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
     if (found_crowd_) {
       may_sink_ = true;
       if (relax(cluster, surroundings, 1, h, report)) return h;
@@ -127,8 +128,9 @@ bool ClusterStepper::will_come_taut() {
 
 /// Relaxes what is left of the step, in which rods may keep what they lack, where some do not fit. What hangs
 /// on anchors has come taut then, without a bounce: just before it is fast without going anywhere. The
-/// others' velocities are how far they went. Returns that time (s), or 0 if it cannot be relaxed: all stays
-/// where it is then.
+/// others' velocities are how far they went, unless that is faster than they were and than relaxation lets
+/// them be: what overlaps is pushed apart in however little time. Returns that time (s), or 0 if it cannot be
+/// relaxed: all stays where it is then.
 double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
                                       const Surroundings& surroundings, Tally& report) {
   keeps_strain_ = may_sink_ = true;
@@ -145,8 +147,12 @@ double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
     LinkageState& state = *islands_[i].state;
     state.relax_for = patience;
     if (!islands_[i].awake || state.linkage->is_grounded()) continue;
-    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
-      state.v[k] = (1 / left_) * (state.x[k] - before_[i].x[k]);
+    Array<Vec3>& moved = islands_[i].v;
+    moved.resize(state.linkage->movable());
+    for (std::uint32_t k = 0; k < moved.size(); ++k) moved[k] = (1 / left_) * (state.x[k] - before_[i].x[k]);
+    const auto energy = [&](std::span<const Vec3> v) { return state.linkage->kinetic(v); };
+    if (energy(moved) <= std::max(energy(before_[i].v), energy(state.v)))
+      std::copy(moved.begin(), moved.end(), state.v.begin());
   }
   return left_;
 }

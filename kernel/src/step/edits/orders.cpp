@@ -70,8 +70,22 @@ void Step::cut(std::uint32_t rod) {
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
   if (is_of_body(rod)) refuse("rod ", rod, ": is of a body, which stays whole");
+  order_cut(rod);
+}
+
+void Step::order_cut(std::uint32_t rod) {
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
+}
+
+/// Orders cuts of what broke in islands of the contact solver, so that shapes along it end and what falls
+/// apart collides. Such islands have no twists nor reels.
+void Step::cut_broken() {
+  if (!compiled_.contact || !has_archive()) return;
+  for (const std::uint32_t rod : breaks_.weak())
+    if (!breaks_.is_out(rod) && is_known_to_contact(rod) && compiled_.contact->has_broken(rod) &&
+        !is_of_body(rod))
+      order_cut(rod);
 }
 
 /// Returns whether a body has both ends of a rod. Nothing moves one while they are fixed.

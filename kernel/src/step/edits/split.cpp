@@ -32,7 +32,7 @@ Array<std::uint32_t> Step::broken_now() const {
   Array<std::uint32_t> out;
   for (const std::uint32_t rod : breaks_.weak()) {
     if (breaks_.is_out(rod)) continue;
-    const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
+    const auto places = compiled_.cords.of(rod);  // cut_broken() lists those of the contact solver.
     if (!places.empty() && solver(places.front()).is_broken(places.front().slot)) out.push_back(rod);
   }
   return out;
