@@ -82,7 +82,7 @@ constexpr bool counts_allocations = true;
 constexpr bool counts_allocations = false;
 #endif
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Allocations while f() runs, on all threads.
@@ -690,4 +690,4 @@ TEST_F(Allocations, AreNoMoreWhereEventsAreListed) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include "support/bodies.hpp"
 #include "support/executors.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// After five seconds in which 16 of 64 figures are struck, fall and, some of them, fall asleep.
@@ -36,4 +36,4 @@ TEST(Crowd, HasTheSameBitsWithEveryExecutor) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

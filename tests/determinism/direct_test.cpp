@@ -14,7 +14,7 @@
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
@@ -151,4 +151,4 @@ TEST(DirectDeterminism, ReadingChangesNothing) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::SerialExecutor;
@@ -133,4 +133,4 @@ TEST(SmallScenes, DoNotUseThreads) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

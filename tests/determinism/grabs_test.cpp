@@ -9,7 +9,7 @@
 #include "support/executors.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Pulls some particles here and there, and lets them go.
@@ -67,4 +67,4 @@ TEST(GrabbedBits, AreTheSameOnAllInstructionSetsAndThreads) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::SharedScene;
@@ -132,4 +132,4 @@ TEST(StateHash, ChangesWithEveryParticle) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -20,7 +20,7 @@
 #include "support/sanitizers.hpp"
 #include "threads/sharing.hpp"
 
-namespace plumb::golden {
+namespace plumb::golden::PLUMB_TEST_FILE {
 namespace {
 
 constexpr const char* table_path = PLUMB_TEST_GOLDEN "/golden.csv";
@@ -95,4 +95,4 @@ TEST(Table, IsWrittenIfAskedFor) {
 }
 
 }  // namespace
-}  // namespace plumb::golden
+}  // namespace plumb::golden::PLUMB_TEST_FILE

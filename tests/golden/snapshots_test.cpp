@@ -13,7 +13,7 @@
 #include "support/executors.hpp"
 #include "threads/sharing.hpp"
 
-namespace plumb::golden {
+namespace plumb::golden::PLUMB_TEST_FILE {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -89,4 +89,4 @@ INSTANTIATE_TEST_SUITE_P(Every, Snapshots, testing::ValuesIn(rows_with_snapshots
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace plumb::golden
+}  // namespace plumb::golden::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 struct Variant {
@@ -168,4 +168,4 @@ TEST(MovingAnchor, MayBeOneOfVeryMany) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

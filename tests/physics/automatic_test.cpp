@@ -10,7 +10,7 @@
 #include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 Settings automatic() {
@@ -216,4 +216,4 @@ TEST(Automatic, RelaxesWhatLandsOnEachOtherAtOnce) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using std::numbers::pi;
@@ -432,4 +432,4 @@ TEST(Bending, WhatDoesNotKnowBendsRefusesThem) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "plumb/plumb.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// A wire with EI of 1 N m² that is bent to a closed ring of radius 1 m: nothing pulls along it.
@@ -120,4 +120,4 @@ TEST(BentTensions, AreWhatAWinchWorksAgainst) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

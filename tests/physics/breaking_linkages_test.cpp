@@ -14,7 +14,7 @@
 #include "support/breaking.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 120;
@@ -298,4 +298,4 @@ TEST(BreakingLinkages, WakeAndFall) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

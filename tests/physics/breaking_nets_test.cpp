@@ -10,7 +10,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -84,4 +84,4 @@ TEST(BreakingNets, TakeNoMoreNewtonStepsWhereTheyAreLarger) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/laws.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 120;
@@ -215,4 +215,4 @@ TEST(BreakingRelaxed, AreCountedOnceInLanes) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

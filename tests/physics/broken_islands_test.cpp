@@ -13,7 +13,7 @@
 #include "step/breaks/breaks.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -350,4 +350,4 @@ TEST(BrokenIslands, KnowHowFastTheirAnchorsGo) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -170,4 +170,4 @@ TEST(WoundRopes, StayOutOfTheBar) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double mass = 3, gravity = 9.81, rope = 1;  // kg, m/s^2, m
@@ -249,4 +249,4 @@ TEST(CatchingCables, AreNeverTooLongUnderWhatHasAShape) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "plumb/plumb.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60, pi = std::numbers::pi;
@@ -393,4 +393,4 @@ TEST(ChangedLengths, AreRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

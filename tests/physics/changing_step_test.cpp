@@ -10,7 +10,7 @@
 #include "support/planar_chain.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
@@ -100,4 +100,4 @@ TEST(ChangingStep, OneShortFrameDoesNoHarm) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -7,7 +7,7 @@
 
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -99,4 +99,4 @@ TEST(ContactSettings, RecoveryTellsHowFastOverlapEnds) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -409,4 +409,4 @@ TEST(Rods, LieAlongEachOther) {
   EXPECT_EQ(world.step(frame).awake_islands, 0u);
 }
 
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/planar_chain.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::PlanarChain;
@@ -143,4 +143,4 @@ TEST(Order, IsThatOfTheStepNotOfTheSweeps) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

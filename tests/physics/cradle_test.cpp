@@ -7,7 +7,7 @@
 
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr int balls = 5;
@@ -52,4 +52,4 @@ TEST(Cradle, GoesOnAsOneWithoutGaps) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

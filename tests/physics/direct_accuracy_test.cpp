@@ -8,7 +8,7 @@
 #include "support/direct.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // The error after a second is within three times of what was asked for: the estimate is of each substep's own
@@ -268,4 +268,4 @@ TEST(DirectAccuracy, CostsTheRootOfWhatIsAsked) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

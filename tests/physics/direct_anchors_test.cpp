@@ -10,7 +10,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// A rigid body on a pivot that goes along x, in its angle t from straight down: I t'' = -m c g sin(t); a
@@ -204,4 +204,4 @@ TEST(DirectAnchors, CarryIslandsWithLoops) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::Kept;
@@ -104,4 +104,4 @@ TEST(DirectMomentum, OfAFreeTreeIsKept) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

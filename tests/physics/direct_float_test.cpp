@@ -9,7 +9,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 double stretch_after_a_second(Gradient gradient, double distance) {
@@ -78,4 +78,4 @@ TEST(DirectFloat, AutomaticChoosesForLightLinksAsInDouble) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

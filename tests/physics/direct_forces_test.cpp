@@ -9,7 +9,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
@@ -102,4 +102,4 @@ TEST(DirectForces, StepsOfChangingLength) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

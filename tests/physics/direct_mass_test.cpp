@@ -14,7 +14,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double g = 9.81;
@@ -122,4 +122,4 @@ TEST(DirectMass, ModelsAgreeToTheBitWithoutRodMass) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

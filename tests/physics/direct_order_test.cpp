@@ -14,7 +14,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 struct Known {
@@ -137,4 +137,4 @@ TEST(DirectOrder, OneNewtonStepDoesWhereMotionIsSmooth) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

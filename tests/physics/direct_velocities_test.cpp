@@ -11,7 +11,7 @@
 #include "support/random_trees.hpp"
 #include "support/truths.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Random velocities projected by one dense matrix: M v' = M v + J^T lambda, J v' = 0.
@@ -91,4 +91,4 @@ TEST(DirectVelocities, AreThoseOfTheAnchorThatCarriesThem) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

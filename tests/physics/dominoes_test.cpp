@@ -7,7 +7,7 @@
 
 #include "support/boxes.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr int dominoes = 20;
@@ -70,4 +70,4 @@ TEST(Dominoes, FallOnMeshesAsOnPlanes) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -183,4 +183,4 @@ TEST(DrawnTooFar, LinesThatAreLetGoFallAndAreNotThrown) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

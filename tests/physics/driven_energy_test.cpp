@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -173,4 +173,4 @@ TEST(DrivenEnergy, StaysWhereAnAnchorStops) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -417,4 +417,4 @@ TEST(Problems, NameIslandsWhoseRodsLackLittle) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

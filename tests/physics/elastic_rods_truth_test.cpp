@@ -14,7 +14,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::with_law;
@@ -117,4 +117,4 @@ TEST(ElasticRodsTruth, RodsSoStiffAreRigid) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -469,4 +469,4 @@ TEST(Springs, AreValidated) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

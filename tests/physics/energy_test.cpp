@@ -10,7 +10,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::movable;
@@ -85,4 +85,4 @@ TEST(Energy, GradientNewLosesIt) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

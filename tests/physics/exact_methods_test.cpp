@@ -17,7 +17,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 class ExactMethods : public testing::TestWithParam<Method> {
@@ -374,4 +374,4 @@ TEST_P(ExactMethods, FreezeOnlyTheIslandThatBroke) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr int links = 80;
@@ -82,4 +82,4 @@ TEST(FallingChain, OfRodsThatPushPressesSoOnTheWhole) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

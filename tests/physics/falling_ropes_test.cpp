@@ -9,7 +9,7 @@
 #include "support/bodies.hpp"
 #include "support/reactions.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -132,4 +132,4 @@ TEST(Net, DrapesABoxWithoutStretching) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 #include "support/linkages.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -165,4 +165,4 @@ TEST(Filters, LetSleepersSleep) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

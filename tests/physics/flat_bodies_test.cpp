@@ -10,7 +10,7 @@
 #include "support/exact_methods.hpp"
 #include "support/ground.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -311,4 +311,4 @@ TEST(Coin, RollsAtItsShareOfGravity) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr std::uint32_t sweeps_per_substep = 20;
@@ -115,4 +115,4 @@ TEST_F(FloatChain, IsAsCloseAsDoubleButForRounding) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 #include "plumb/plumb.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::movable;
@@ -151,4 +151,4 @@ TEST(Drag, TerminalVelocity) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

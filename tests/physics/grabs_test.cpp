@@ -20,7 +20,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::movable;
@@ -339,4 +339,4 @@ TEST(Grabs, LiftALongRopeFromTheFloor) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "support/bodies.hpp"
 #include "support/meshes.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -346,4 +346,4 @@ TEST(Hulls, StandOnEachOther) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

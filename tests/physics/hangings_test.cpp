@@ -11,7 +11,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -282,4 +282,4 @@ TEST(Hangings, ALockedRowFollowsItsCorners) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 class HeavyEnd : public testing::Test {
@@ -114,4 +114,4 @@ TEST(HeavyWeight, SwingsOnAStraightChainInCompositions) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/bodies.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using scenes::BodyType;
@@ -156,4 +156,4 @@ TEST(FigureWithArms, BendsOneWayAndComesToRest) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

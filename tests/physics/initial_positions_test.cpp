@@ -11,7 +11,7 @@
 #include "support/direct.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Every coordinate off by up to `by` metres, rods as long as they were.
@@ -143,4 +143,4 @@ TEST(InitialPositions, StayWhereRodsFit) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/reactions.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -387,4 +387,4 @@ TEST(JointForces, ThatAreNotThereAreRefused) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "support/mechanisms.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::Andrews;
@@ -205,4 +205,4 @@ TEST(JointedMethods, RefuseWhatTheyDoNotKnow) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/bodies.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -490,4 +490,4 @@ TEST(Air, SlowsALoneRodAlongAndAcrossItself) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/mechanisms.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -274,4 +274,4 @@ TEST(LinkageGradients, DefaultIsOld) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

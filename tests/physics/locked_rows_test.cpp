@@ -15,7 +15,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -193,4 +193,4 @@ TEST(LockedRows, AreLockedAgainWhenTheyAreDrawnStraight) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -365,4 +365,4 @@ TEST(Loops, SquareFrameOfUniformRodsIsThePhysicalPendulumItIs) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60, radius = 0.02, rod = 0.1;
@@ -315,4 +315,4 @@ TEST(LoweredRopes, CarryBoxes) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "plumb/measures.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -108,4 +108,4 @@ TEST(LyingRope, FallsFlatAtACostThatIsLinear) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "scenes/basics/clock.hpp"
 #include "support/exact_methods.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::Andrews;
@@ -152,4 +152,4 @@ TEST(FourBars, MultipliersGoPastWhereRodsAreRedundant) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

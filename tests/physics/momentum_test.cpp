@@ -12,7 +12,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// A chain of `links` in space, floating and turning, masses from 0.1 to 10 kg. Velocities pull on rods; a
@@ -216,4 +216,4 @@ TEST(Momentum, OfWhatIsPushedApartStays) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 
 #include "support/ground.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -318,4 +318,4 @@ TEST(MovingGround, IsWhereItShouldBeWhenStepsAreRepeated) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

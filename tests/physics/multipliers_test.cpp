@@ -12,7 +12,7 @@
 #include "support/truths.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::multipliers;
@@ -175,4 +175,4 @@ TEST(Multipliers, SolveTreesAndLoopsAlike) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -198,4 +198,4 @@ TEST(Nets, ThatCannotHangSagAndAreCounted) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -240,4 +240,4 @@ TEST(OneStep, LinkagesInTheAirKeepAnAccuracy) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/sprung_rods.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Gains are taken back beyond a quarter of the largest energy of motion and elastics, which without weight
@@ -70,4 +70,4 @@ TEST(PassiveElastics, StiffSpringsOverChainsGainNoMoreThanTheBound) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/swinging_machine.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using std::numbers::pi;
@@ -290,4 +290,4 @@ TEST(Pulleys, AStraightWayHasNoFrictionAndASlackCordNeither) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

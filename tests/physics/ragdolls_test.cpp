@@ -8,7 +8,7 @@
 
 #include "plumb/plumb.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -65,4 +65,4 @@ TEST(Ragdoll, ComesApartFromAnotherInItsPlace) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

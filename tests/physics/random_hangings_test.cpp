@@ -8,7 +8,7 @@
 
 #include "stability/hangings/hangings.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // All are solved or named, and what is slack moves. `plumb stability --hangings 1000` hangs up more of them.
@@ -93,4 +93,4 @@ TEST(RandomHangings, DependOnTheirSeedAlone) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -234,4 +234,4 @@ TEST(Tensions, AreKnownBesideChainsWithLaws) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

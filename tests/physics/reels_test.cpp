@@ -13,7 +13,7 @@
 #include "support/reeled_chain.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using std::numbers::pi;
@@ -314,4 +314,4 @@ TEST(Reels, TwoWinchesShareALoadAndAWellSleepsUntilOneTurns) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

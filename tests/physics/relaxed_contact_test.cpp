@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/reactions.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -261,4 +261,4 @@ TEST(RelaxedContact, HasTheSameBitsOnAnyThreadsWhereShotsMeet) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

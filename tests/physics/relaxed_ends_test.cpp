@@ -9,7 +9,7 @@
 #include "plumb/measures.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -127,4 +127,4 @@ TEST(RelaxedEnds, BearTheWeightOfWhatLies) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 
 #include "support/ground.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -315,4 +315,4 @@ TEST(RelaxedGround, KeepsOutWhatABlowThrowsAtItWithinAStep) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

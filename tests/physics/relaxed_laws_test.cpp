@@ -12,7 +12,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double dt = 1.0 / 60;
@@ -255,4 +255,4 @@ TEST(RelaxedLaws, TakeAnAccuracy) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

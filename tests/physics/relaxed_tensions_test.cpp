@@ -9,7 +9,7 @@
 #include "plumb/plumb.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -205,4 +205,4 @@ TEST(RelaxedTensions, BreakNoRodAtHalfItsStrength) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

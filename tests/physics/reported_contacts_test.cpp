@@ -16,7 +16,7 @@
 #include "support/mechanisms.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -615,4 +615,4 @@ TEST(GuardedEnergy, CountsBlowsThatWouldGain) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

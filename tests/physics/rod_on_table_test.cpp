@@ -7,7 +7,7 @@
 
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double length = 1, mass = 2;
@@ -114,4 +114,4 @@ TEST(PainleveRod, SticksAtOnceWhereNoForceIsFinite) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

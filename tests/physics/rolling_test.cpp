@@ -9,7 +9,7 @@
 
 #include "support/ground.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::earth;
@@ -245,4 +245,4 @@ TEST(SlidingRod, LeansOnTheEndAhead) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

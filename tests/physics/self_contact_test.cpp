@@ -18,7 +18,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using detail::Neighbors;
@@ -267,4 +267,4 @@ TEST(SelfContact, HalvesOfAHairpinDoNotPass) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

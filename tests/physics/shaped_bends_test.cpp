@@ -13,7 +13,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -199,4 +199,4 @@ TEST(ShapedBends, AreRefusedWithoutShapesAlone) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -92,4 +92,4 @@ TEST(SharedAnchors, AreNoContactOfCapsulesBetweenFixedOnes) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // Radii are from 5 mm to 1 m, speeds up to 100 m/s and steps from 1/240 to 1/15 s. PLUMB_SHOTS says how many
@@ -159,4 +159,4 @@ TEST(Shots, RelaxedBlowsThatAreHeldBackAreCounted) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/bodies.hpp"
 #include "support/boxes.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -219,4 +219,4 @@ TEST(Sleepers, MayBeSqueezed) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -7,7 +7,7 @@
 #include "support/boxes.hpp"
 #include "support/ground.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -69,4 +69,4 @@ TEST(Plane, IsStoodOnWithDefaultSettings) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

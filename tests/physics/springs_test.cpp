@@ -18,7 +18,7 @@
 #include "support/truths.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double g = 9.81;
@@ -461,4 +461,4 @@ TEST(SpringFailures, BadSettingsAndBodiesAreRefused) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

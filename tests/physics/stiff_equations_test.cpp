@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 StiffState after(StiffState (*step)(StiffState, double, double), double k, double h, int steps) {
@@ -76,4 +76,4 @@ TEST(VelocityEstimates, VerletIsLessExactThanRungeKutta) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

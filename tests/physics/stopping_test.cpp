@@ -9,7 +9,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
@@ -195,4 +195,4 @@ TEST(OverRelaxation, ConvergesToTheSameMotion) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

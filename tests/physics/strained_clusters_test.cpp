@@ -13,7 +13,7 @@
 #include "support/boxes.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -230,4 +230,4 @@ TEST(StrainedClusters, RelaxedNetThatIsDrawnTooFarIsNoBlow) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

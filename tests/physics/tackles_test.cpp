@@ -11,7 +11,7 @@
 #include "support/swinging_machine.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using std::numbers::pi;
@@ -191,4 +191,4 @@ TEST(Tackles, AnchorsThatAccelerateShowInThePull) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

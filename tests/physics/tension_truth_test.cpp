@@ -13,7 +13,7 @@
 #include "support/worlds.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -115,4 +115,4 @@ TEST(TrueTensions, AreApproachedByComposedSubsteps) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "support/direct.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 enum class Kind { winch, anchor, loop, cord, reel };
@@ -133,4 +133,4 @@ TEST(ThrownBack, AReelOfOneRodMovesItsLoadAsAWinch) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

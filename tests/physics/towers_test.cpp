@@ -6,7 +6,7 @@
 
 #include "support/boxes.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -82,4 +82,4 @@ TEST(Tower, OfTwentyBoxesCostsLittle) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "truth/integrators/integrator.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb::truth {
+namespace plumb::truth::PLUMB_TEST_FILE {
 namespace {
 
 using test::with_law;
@@ -194,4 +194,4 @@ TEST(TruthLaws, RefuseEndsThatMeet) {
 }
 
 }  // namespace
-}  // namespace plumb::truth
+}  // namespace plumb::truth::PLUMB_TEST_FILE

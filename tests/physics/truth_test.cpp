@@ -14,7 +14,7 @@
 #include "support/truths.hpp"
 #include "truth/integrators/integrator.hpp"
 
-namespace plumb::truth {
+namespace plumb::truth::PLUMB_TEST_FILE {
 namespace {
 
 using test::apart;
@@ -174,4 +174,4 @@ TEST(TruthMotion, AgreesWithReferences) {
 }
 
 }  // namespace
-}  // namespace plumb::truth
+}  // namespace plumb::truth::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/worlds.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using std::numbers::pi;
@@ -370,4 +370,4 @@ TEST(Twisting, IsRefusedWhereNothingKnowsIt) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -17,7 +17,7 @@
 #include "support/worlds.hpp"
 #include "truth/truth.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using scenes::LengthRate;
@@ -321,4 +321,4 @@ TEST(Winch, AnElasticCableGainsWhatIsDone) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "simd/relax/records.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 // A record k holds 10 k + 0, 1, 2 and 0: columns hold the same by component, and records come back from them.
@@ -89,4 +89,4 @@ TEST(Access, ReachesBothEndsEveryWay) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

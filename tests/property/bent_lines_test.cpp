@@ -24,7 +24,7 @@
 #include "simd/tree/lines/bent_lanes.hpp"
 // clang-format on
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -177,4 +177,4 @@ TEST(BentLines, HaveTheSameBitsInLanesAndAlone) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -18,7 +18,7 @@
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using layouts::AlignedBuffer;
@@ -163,4 +163,4 @@ TEST(ContactBody, KeepsGapsOpenWithinTheConeOfFriction) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 #include "simd/relax/contacts/contact_scalar.hpp"
 #include "simd/relax/contacts/push_scalar.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 namespace f = contact_fields;
@@ -50,4 +50,4 @@ TEST(ContactVisit, KeepsMomentumAndTheCone) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "simd/relax/crowd_lanes.hpp"
 #include "simd/relax/crowd_loops.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 // Of two rows, in which the k-th particle is at k on all axes and goes by k along y, the box holds 2 to 5,
@@ -45,4 +45,4 @@ TEST(CrowdBody, ListsWhatIsFastAndFindsTheFarthest) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

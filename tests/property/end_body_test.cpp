@@ -16,7 +16,7 @@
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using layouts::AlignedBuffer;
@@ -177,4 +177,4 @@ TEST(EndBody, KeepsAGapOpenWithinTheCone) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

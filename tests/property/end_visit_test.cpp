@@ -6,7 +6,7 @@
 
 #include "simd/relax/contacts/end_scalar.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 // An end slides while it is pressed on. Where friction may, it holds; else it takes its share of the push.
@@ -39,4 +39,4 @@ TEST(EndVisit, HoldsWithinTheConeAndSlidesBeyond) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

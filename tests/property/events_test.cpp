@@ -14,7 +14,7 @@
 #include "scenes/spec.hpp"
 #include "support/edited_worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -231,4 +231,4 @@ TEST(Events, AreKnownIfAskedFor) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

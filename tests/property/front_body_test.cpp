@@ -12,7 +12,7 @@
 
 #include "plumb/layouts/aligned_buffer.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 TEST(DoubleScalar, IsOneNumber) {
@@ -57,4 +57,4 @@ TEST(FrontBody, SolvesByHand) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

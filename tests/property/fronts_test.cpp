@@ -9,7 +9,7 @@
 #include "scenes/basics/seeded.hpp"
 #include "simd/front/front_kernels.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 /// A front's arrays.
@@ -115,4 +115,4 @@ TEST(Fronts, SolveForTheirPivots) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

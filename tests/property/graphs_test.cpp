@@ -15,7 +15,7 @@
 #include "plumb/layouts/ordering.hpp"
 #include "plumb/layouts/shapes.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using namespace test;
@@ -265,4 +265,4 @@ TEST_P(Graphs, EveryGridClaimedIsOne) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Graphs, testing::Range(0u, 50u));
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

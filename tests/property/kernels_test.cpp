@@ -21,7 +21,7 @@
 #include "support/sanitizers.hpp"
 #include "threads/flush_denormals.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using layouts::AlignedBuffer;
@@ -530,4 +530,4 @@ TYPED_TEST(KernelsOf, AStretchedRodComesBack) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

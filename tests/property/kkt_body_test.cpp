@@ -15,7 +15,7 @@
 #include "simd/kkt/kkt_kernels.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using Matrix = Eigen::Map<Eigen::Matrix4d>;  // by columns, as tiles are
@@ -85,4 +85,4 @@ TEST(KktBody, AddsAsTheScalarBodyDoes) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

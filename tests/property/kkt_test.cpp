@@ -19,7 +19,7 @@
 #include "plumb/settings.hpp"
 #include "scenes/basics/seeded.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using Dense = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -273,4 +273,4 @@ TEST(Kkt, SaysWhatHasNoFactors) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 TEST(OneLane, ChoosesByItsMask) {
@@ -63,4 +63,4 @@ TEST(LaneMath, EntriesAreLanesApart) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

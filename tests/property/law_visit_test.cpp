@@ -11,7 +11,7 @@
 #include "simd/relax/scalar_access.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 /// A rod whose ends would move apart by `free` if it did not pull.
@@ -113,4 +113,4 @@ TEST(LawVisit, IsExactAlongTheNewDirection) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

@@ -16,7 +16,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::below;
@@ -135,4 +135,4 @@ TEST(LayoutChoices, AreDifferentLayouts) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "simd/relax/relax_kernels.hpp"
 #include "support/near_lines.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using namespace test::near_lines;
@@ -35,4 +35,4 @@ TEST(LineBody, EveryInstructionSetFindsTheSameBits) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

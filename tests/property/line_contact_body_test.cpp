@@ -18,7 +18,7 @@
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using layouts::AlignedBuffer;
@@ -178,4 +178,4 @@ TEST(LineContactBody, KeepsMomentumAndGapsOpenWithinTheConeOfFriction) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

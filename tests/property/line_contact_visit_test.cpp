@@ -6,7 +6,7 @@
 
 #include "simd/relax/contacts/line_contact_scalar.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 namespace f = line_contact_fields;
@@ -35,4 +35,4 @@ TEST(LineContactVisit, SharesAPushAmongEnds) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

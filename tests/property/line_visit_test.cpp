@@ -13,7 +13,7 @@
 #include "simd/relax/relax_kernels.hpp"
 #include "support/near_lines.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using namespace test::near_lines;
@@ -58,4 +58,4 @@ TEST(LineVisit, FindsWhatOnePairAfterTheOtherDoes) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

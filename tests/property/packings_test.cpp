@@ -17,7 +17,7 @@
 #include "plumb/layouts/shapes.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using namespace test;
@@ -325,4 +325,4 @@ TEST_P(Packings, AnythingWithAnAddressPerRod) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Packings, testing::Range(0u, 40u));
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

@@ -27,7 +27,7 @@
 #include "support/meshes.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using Kind = QueryTarget::Kind;
@@ -557,4 +557,4 @@ TEST(QueryTree, SeesAllThatABoxMayReach) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

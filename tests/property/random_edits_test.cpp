@@ -16,7 +16,7 @@
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using Random = std::mt19937;
@@ -398,4 +398,4 @@ TEST(RandomEdits, KeepWhatTheyPromise) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "plumb/plumb.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Draws numbers that are the same with every library.
@@ -104,4 +104,4 @@ TEST(RandomReels, KeepRodsLengthsAndMomentum) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

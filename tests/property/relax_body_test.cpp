@@ -17,7 +17,7 @@
 #include "simd/relax/visit_lanes.hpp"
 #include "support/islands.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 /// Prepares and sweeps a block twice; its displacements, and the violation that is left.
@@ -182,4 +182,4 @@ TEST(RelaxBody, PredictsAndAdvances) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

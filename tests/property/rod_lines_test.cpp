@@ -14,7 +14,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// An island as LineSolver sees it: the movable particles first.
@@ -218,4 +218,4 @@ TEST(LineSolver, SaysWhenItDoesNotGetThere) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -24,7 +24,7 @@
 #include "support/swinging_machine.hpp"
 #include "threads/sharing.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 struct Case {
@@ -337,4 +337,4 @@ INSTANTIATE_TEST_SUITE_P(Every, Rollback, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -18,7 +18,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/tree_numbers.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using Numbers = test::TreeNumbers<double>;
@@ -151,4 +151,4 @@ TEST(SegmentBody, NeighborsAreOneLaneAway) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

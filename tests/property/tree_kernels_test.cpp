@@ -22,7 +22,7 @@
 #include "support/random_trees.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 using detail::TreeState;
@@ -486,4 +486,4 @@ TYPED_TEST(TreeKernelsOf, ABrokenLaneLeavesTheOthersAlone) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

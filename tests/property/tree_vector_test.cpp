@@ -10,7 +10,7 @@
 #include "simd/tree/tree_vector.hpp"
 #include "support/tree_numbers.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 /// Displacements and multipliers after three steps of Newton's method, by the whole tree or by multipliers
@@ -64,4 +64,4 @@ TEST(TreeVector, KeepsAWideSumOfNarrowNumbers) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

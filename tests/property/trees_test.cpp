@@ -13,7 +13,7 @@
 #include "support/random_trees.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using test::Ids;
@@ -141,4 +141,4 @@ TEST(TreesOf, IslandsOfGraphsAreTreesByTheirCount) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

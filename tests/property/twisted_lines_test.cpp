@@ -29,7 +29,7 @@
 #include "simd/tree/lines/bent_lanes.hpp"
 // clang-format on
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -331,4 +331,4 @@ TEST(TwistedLines, StayWhereTheyAreLocked) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

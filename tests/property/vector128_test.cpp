@@ -14,7 +14,7 @@
 
 #include "simd/batch.hpp"
 
-namespace plumb::simd {
+namespace plumb::simd::PLUMB_TEST_FILE {
 namespace {
 
 template <class T>
@@ -91,4 +91,4 @@ TEST(Vector128, KeepsLanesApart) {
 }
 
 }  // namespace
-}  // namespace plumb::simd
+}  // namespace plumb::simd::PLUMB_TEST_FILE

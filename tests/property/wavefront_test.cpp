@@ -15,7 +15,7 @@
 #include "support/sanitizers.hpp"
 #include "threads/team.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::below;
@@ -149,4 +149,4 @@ TEST(Wavefront, PartsRunSideBySide) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

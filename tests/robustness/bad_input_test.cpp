@@ -15,7 +15,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -290,4 +290,4 @@ TEST(Steps, RefuseAnExecutorWithoutConcurrency) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

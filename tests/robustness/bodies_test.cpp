@@ -15,7 +15,7 @@
 #include "scenes/spec.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::frame;
@@ -175,4 +175,4 @@ TEST(Bodies, FreezeOnlyTheIslandThatBroke) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/graphs.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -305,4 +305,4 @@ TEST(DirectGuard, StepsOfAnyLength) {
 
 // Loops are refused, with a particle of theirs.
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::fixed;
@@ -272,4 +272,4 @@ TEST(Extremes, ManyPlacesThatAreNearButDoNotTouch) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/executors.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr LayoutChoice all_layouts[] = {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa,
@@ -202,4 +202,4 @@ TEST(FrozenIslands, DoNotHoldACommonAnchor) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -7,7 +7,7 @@
 #include "plumb/plumb.hpp"
 #include "scenes/files/scene_file.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// Steps a scene and expects a finite state after every step. No step may do more than a tenth above its
@@ -144,4 +144,4 @@ TEST(FuzzedWorlds, PassWhereNothingWasNear) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

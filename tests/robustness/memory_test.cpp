@@ -19,7 +19,7 @@
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -185,4 +185,4 @@ TEST(WorldMemory, IsEstimatedBeforeAWorldIsMade) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

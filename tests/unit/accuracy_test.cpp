@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 TEST(Windows, CountWhatTheyCompare) {
@@ -107,4 +107,4 @@ TEST(AccuracyControl, TakesAllBackOnceTheWorkIsSpent) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

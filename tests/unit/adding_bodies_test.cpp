@@ -18,7 +18,7 @@
 #include "support/figures.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -443,4 +443,4 @@ TEST(AddingBodies, AreRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

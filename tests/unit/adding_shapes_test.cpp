@@ -14,7 +14,7 @@
 #include "support/figures.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -244,4 +244,4 @@ TEST(AddingShapes, AreRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/articulated_body.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -409,4 +409,4 @@ TEST(ArticulatedBody, RefusesLinksInTheWrongOrder) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

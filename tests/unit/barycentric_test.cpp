@@ -6,7 +6,7 @@
 
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 // To rounding over the volume, which is kept above a hundredth of its largest value.
@@ -50,4 +50,4 @@ TEST(RelativeVolume, IsOfSizeAndPlaceIndependent) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

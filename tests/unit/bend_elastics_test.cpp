@@ -9,7 +9,7 @@
 
 #include "scene/bends/curvature.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 BendElastics bend_at_rest(double angle, double damping) {
@@ -68,4 +68,4 @@ TEST(BendElastics, HaveWeightsThatAddUpToNothing) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

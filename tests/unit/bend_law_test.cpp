@@ -18,7 +18,7 @@
 #include "scene/bends/curvature.hpp"
 #include "support/graphs.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr BendFactors mid{0.5, 0.25, 0.5}, end_of_step{0.5, 0.25, 1};
@@ -170,4 +170,4 @@ TEST(BentIslands, AreJoinedThroughAnAnchor) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

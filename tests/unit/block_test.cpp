@@ -15,7 +15,7 @@
 #include "support/islands.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// The blocks of a scene, at its positions and at rest, without loads.
@@ -165,4 +165,4 @@ TEST(Relax, OfATeamIsThatOfOneThread) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "plumb/error.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// How far outside a point is, in m; not above zero inside. Of a mesh, that of the worst face.
@@ -424,4 +424,4 @@ TEST(TwoLevelsOfVolumes, OverlapOnlyIfBothDo) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -17,7 +17,7 @@
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -330,4 +330,4 @@ TEST(Budgets, EndTriesForAnAccuracy) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include "plumb/plumb.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 struct Case {
@@ -150,4 +150,4 @@ TEST(BulkState, IsThatOfEachBody) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::apart;
@@ -173,4 +173,4 @@ TEST(ChangedMotion, LetsWhatLiesLie) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::apart;
@@ -321,4 +321,4 @@ TEST(ChangedSettings, SayWhatSnapshotsFitTo) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

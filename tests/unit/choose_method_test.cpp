@@ -11,7 +11,7 @@
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 layouts::LocalGraph ring(std::uint32_t n) {
@@ -128,4 +128,4 @@ TEST(ChooseMethod, OrderFourPaysFromSomeAccuracyOn) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

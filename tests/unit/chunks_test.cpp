@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 struct Thing {
@@ -43,4 +43,4 @@ TEST(Chunks, UsesRoomAgainAndForgetsWhatWasThere) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

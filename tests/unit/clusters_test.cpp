@@ -18,7 +18,7 @@
 #include "support/bodies.hpp"
 #include "support/linkages.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Balls of 0.1 m along x, 1 m apart.
@@ -234,4 +234,4 @@ TEST(ProjectVelocities, FollowAnchorsThatMove) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

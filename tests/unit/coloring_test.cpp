@@ -6,7 +6,7 @@
 
 #include "plumb/layouts/islands.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using Colors = Array<std::uint32_t>;
@@ -64,4 +64,4 @@ TEST(IsValid, RefusesMissingAndUnknownColors) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

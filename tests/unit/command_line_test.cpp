@@ -9,7 +9,7 @@
 #include "plumb/error.hpp"
 #include "scenes/basics/nearest.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 struct Throw {
@@ -159,4 +159,4 @@ TEST(CommandLine, KnowsTheMethodsOfTheTable) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "scenes/humanoid/limbs.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 std::vector<Vec3> positions_of(const Scene& scene) {
@@ -336,4 +336,4 @@ TEST(SlackNet, StartsAtItsLengthsBetweenNearerCorners) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

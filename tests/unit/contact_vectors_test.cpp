@@ -13,7 +13,7 @@
 #include "support/graphs.hpp"
 #include "threads/team.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::Random;
@@ -167,4 +167,4 @@ TEST(PairOrder, SortsAsStandardSortDoesAndDropsWhatComesTwice) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

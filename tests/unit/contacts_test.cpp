@@ -13,7 +13,7 @@
 #include "plumb/joints.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using detail::ContactList;
@@ -159,4 +159,4 @@ TEST(ContactFiles, HaveOneRowForEachPair) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

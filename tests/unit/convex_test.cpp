@@ -11,7 +11,7 @@
 #include "support/random_trees.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::random_vector;
@@ -390,4 +390,4 @@ TEST(ConvexContacts, OfManySidesAreAllAround) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

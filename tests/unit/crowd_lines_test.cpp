@@ -13,7 +13,7 @@
 #include "plumb/joints.hpp"
 #include "support/executors.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double h = 0.01;
@@ -118,4 +118,4 @@ TEST(CrowdLines, AreSharedByATeamEachOnce) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -25,7 +25,7 @@
 #include "plumb/joints.hpp"
 #include "plumb/layouts/packing.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// One island of a scene, as relaxation takes it.
@@ -402,4 +402,4 @@ TEST(KeptTable, FindsWhatAnIslandKeptByKey) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -19,7 +19,7 @@
 #include "support/refusals.hpp"
 #include "support/snapshots.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -207,4 +207,4 @@ TEST(Deltas, OfDamagedBasesLeaveWorldsAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "scenes/spec.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -214,4 +214,4 @@ TEST(Drawing, RefusesWhatMakesNoSenseAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -16,7 +16,7 @@
 #include "support/figures.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -304,4 +304,4 @@ TEST(EditedMotion, FreesWhatHungFromARodThatHasJustBroken) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "support/figures.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -198,4 +198,4 @@ TEST(EditedTogether, ForgetAnchorsThatAreFreed) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

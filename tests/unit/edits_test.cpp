@@ -16,7 +16,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -457,4 +457,4 @@ TEST(Particles, RefuseEditsWithAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

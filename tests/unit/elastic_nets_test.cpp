@@ -22,7 +22,7 @@
 #include "support/laws.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// The only island of a scene, with or without a factorisation.
@@ -203,4 +203,4 @@ TEST(ElasticNet, MovesAsAFactorisedOneDoes) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

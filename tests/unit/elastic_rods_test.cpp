@@ -15,7 +15,7 @@
 #include "direct/loops/settle.hpp"
 #include "plumb/layouts/trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// A line of nodes along x between two fixed vertices, with rods of that length.
@@ -165,4 +165,4 @@ TEST(ElasticTree, SharesWhatItLacks) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

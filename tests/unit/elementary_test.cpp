@@ -15,7 +15,7 @@
 #include "scenes/basics/seeded.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -170,4 +170,4 @@ TEST(Elementary, HasTheSameBitsEverywhere) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/humanoid/limbs.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 Point particle(std::uint32_t number) {
@@ -208,4 +208,4 @@ TEST(Gltf, RefusesAnAnimationWithoutFrames) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

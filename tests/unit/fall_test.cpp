@@ -11,7 +11,7 @@
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 TEST(Fall, DepthIsThatOfTheDeepestEnd) {
@@ -95,4 +95,4 @@ TEST(Fall, SolidsHideWhatIsBehindThem) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

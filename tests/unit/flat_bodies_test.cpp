@@ -14,7 +14,7 @@
 #include "support/random_trees.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// A body of 2 kg whose mass reaches so far along three axes at right angles (m, standard deviations).
@@ -104,4 +104,4 @@ TEST(FlatBodies, NeedRigidRods) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "support/bodies.hpp"
 #include "support/linkages.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Two boxes on a hinge, which spin about it at different rates.
@@ -59,4 +59,4 @@ TEST(Flight, PutsBackWhatItCannotLand) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "scenes/spec.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -102,4 +102,4 @@ TEST(Frames, RefuseWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

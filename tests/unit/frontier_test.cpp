@@ -7,7 +7,7 @@
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
 
-namespace plumb::frontier {
+namespace plumb::frontier::PLUMB_TEST_FILE {
 namespace {
 
 using Points = std::vector<std::pair<double, double>>;
@@ -162,4 +162,4 @@ TEST(Peers, AreReadAsTheyAreWritten) {
 }
 
 }  // namespace
-}  // namespace plumb::frontier
+}  // namespace plumb::frontier::PLUMB_TEST_FILE

@@ -19,7 +19,7 @@
 #include "scenes/generators/wires.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 std::string message_of(std::string_view spec) {
@@ -284,4 +284,4 @@ TEST(Generators, SceneFilesEqualTheirGenerators) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::movable;
@@ -160,4 +160,4 @@ TEST(GrabbedMotion, HasItsBitsWhereOneEndsThatDidNothing) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

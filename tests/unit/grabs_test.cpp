@@ -19,7 +19,7 @@
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::movable;
@@ -260,4 +260,4 @@ TEST(Grabs, ArePartOfSnapshots) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

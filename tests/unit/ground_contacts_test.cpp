@@ -8,7 +8,7 @@
 
 #include "plumb/joints.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double mass = 2, friction = 0.5;
@@ -99,4 +99,4 @@ TEST(GroundContacts, PushOnVelocitiesWherePositionsWerePushed) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

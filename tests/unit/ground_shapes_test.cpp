@@ -13,7 +13,7 @@
 #include "support/meshes.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double close = 1e-5;
@@ -198,4 +198,4 @@ TEST(GroundShape, HeightFieldsAreSolidBelow) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 #include "humanoid/pictures.hpp"
 #include "plumb/error.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double dt = 1.0 / 60;
@@ -254,4 +254,4 @@ TEST(HumanoidReplays, TakeWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

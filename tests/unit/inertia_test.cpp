@@ -12,7 +12,7 @@
 #include "plumb/error.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 void expect_near(const MassProperties& a, const MassProperties& b, double tolerance) {
@@ -176,4 +176,4 @@ TEST(Inertia, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

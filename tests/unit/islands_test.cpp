@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using Ids = Array<std::uint32_t>;
@@ -130,4 +130,4 @@ TEST(EqualIslands, AHundredThousandTakeNoQuadraticTime) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

@@ -16,7 +16,7 @@
 #include "reference/multipliers/weighted_sum.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Two bodies in the air on a hinge, which a spring, a torsion and a drive work on.
@@ -177,4 +177,4 @@ TEST(BodyTree, HangsBodiesFromWhatCarriesThem) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "support/dense_solves.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -295,4 +295,4 @@ TEST(Joints, RefuseNonsense) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 using Library = nlohmann::ordered_json;
@@ -55,4 +55,4 @@ TEST(Json, KeepsTheOrderOfItsMembersAndTheLastValueOfEach) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

@@ -16,7 +16,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 const KeyFrames frames({{0, {1, 0}}, {1, {2, 1}}, {3, {0, 3}}});
@@ -149,4 +149,4 @@ TEST(SpringEnergy, IsThatOfWhatIsTaut) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

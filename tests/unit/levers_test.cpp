@@ -8,7 +8,7 @@
 #include "support/bodies.hpp"
 #include "support/linkages.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Vec3 place{0.3, -0.2, 0.5}, velocity{1, 2, -1};
@@ -103,4 +103,4 @@ TEST(GroundRate, IsThatOfARigidBodyAndOfABelt) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

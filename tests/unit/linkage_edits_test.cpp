@@ -16,7 +16,7 @@
 #include "support/figures.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::add_crate;
@@ -394,4 +394,4 @@ TEST(LinkageEdits, RefuseWhatLeavesNothingToMove) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

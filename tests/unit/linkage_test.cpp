@@ -15,7 +15,7 @@
 #include "support/linkages.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 Scene figure() {
@@ -254,4 +254,4 @@ TEST(SceneParts, LikenessKnowsSurfacesOfHulls) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "direct/loops/loop_state.hpp"
 #include "linear/elimination_order.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Three nodes in a line between two anchors, which are vertices 3 and 4, with rods of 1 m.
@@ -53,4 +53,4 @@ TEST(EliminationOrder, HasEveryNodeOnce) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

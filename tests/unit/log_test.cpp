@@ -9,7 +9,7 @@
 #include "step/state/step_log.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 60;
@@ -74,4 +74,4 @@ TEST(WorldLog, SaysThatRodsBroke) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -16,7 +16,7 @@
 #include "support/random_trees.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// The only island of a scene.
@@ -167,4 +167,4 @@ TEST(LoopLines, HistoryIsTakenBack) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

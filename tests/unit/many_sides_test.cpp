@@ -4,7 +4,7 @@
 
 #include "fall/measure.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 TEST(ManySides, OfALongCoilAreSolvedAnew) {
@@ -22,4 +22,4 @@ TEST(ManySides, OfALongCoilAreSolvedAnew) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "plumb/joints.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // Expected values below are worked out by hand from small whole numbers; EXPECT_DOUBLE_EQ (4 ulp) is what
@@ -215,4 +215,4 @@ TEST(Measures, RefuseStateOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

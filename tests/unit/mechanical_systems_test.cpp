@@ -16,7 +16,7 @@
 #include "support/random_trees.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// x'' = -x from x = 1 at rest: x = cos t.
@@ -155,4 +155,4 @@ TEST(ImplicitEuler, CrossMatricesAreCrossProducts) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -20,7 +20,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 enum class Touch : std::uint8_t { nothing, plane, others };
@@ -360,4 +360,4 @@ TEST(Methods, OfTheReferenceLibraryMoveOrRefuseForAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

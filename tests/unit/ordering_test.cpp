@@ -7,7 +7,7 @@
 
 #include "plumb/layouts/islands.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using Ids = Array<std::uint32_t>;
@@ -101,4 +101,4 @@ TEST(Order, KeepsChainsOfOneAnchorApart) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include "time/effort.hpp"
 #include "time/progress.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 // What had to be halved twice is cut into quarters at once, and grows back in three times two quiet pieces.
@@ -75,4 +75,4 @@ TEST(Effort, BoundsTheWorstFrames) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -181,4 +181,4 @@ TEST(Packing, IsRefusedWhereNothingIsEdited) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

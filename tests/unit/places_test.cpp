@@ -11,7 +11,7 @@
 #include "interface/place.hpp"
 #include "interface/read_rows.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 TEST(Places, ListEveryPlaceOfAParticleInOrder) {
@@ -161,4 +161,4 @@ TEST(Places, MayBeOfNothing) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include "plumb/layouts/stores.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 std::string refusal(std::uint64_t particles, std::uint64_t rods) {
@@ -48,4 +48,4 @@ TEST(Addressable, FitsEveryStore) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

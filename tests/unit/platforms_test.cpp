@@ -11,7 +11,7 @@
 #include "contact/surroundings.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 double distance(const std::array<double, 4>& a, const std::array<double, 4>& b) {
@@ -129,4 +129,4 @@ TEST(Surroundings, ReachWhereGroundGoesWithinTheStep) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 Vec3 turned(const std::array<double, 4>& q, Vec3 v) {
@@ -122,4 +122,4 @@ TEST(Poses, OfAllAreThoseOfEach) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "profile/perf_counters.hpp"
 #include "profile/work.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 // Two functions of two files, in the format of cachegrind's manual.
@@ -335,4 +335,4 @@ TEST(ProfileWork, ScenesFitTheCachesTheyAreMadeFor) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

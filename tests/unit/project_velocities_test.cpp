@@ -11,7 +11,7 @@
 #include "support/random_trees.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 std::vector<double> inverse_masses(const Scene& scene) {
@@ -77,4 +77,4 @@ TEST(SparseCholesky, SolvesAndKnowsTheSignsOfPivots) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

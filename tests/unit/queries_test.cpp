@@ -21,7 +21,7 @@
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using Kind = QueryTarget::Kind;
@@ -572,4 +572,4 @@ TEST(Queries, NothingIsFoundWhereNothingIs) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -19,7 +19,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::make_reeled;
@@ -212,4 +212,4 @@ TEST(ReelView, CornersFadeFromWhatTheyBeginWith) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

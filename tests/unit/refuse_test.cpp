@@ -14,7 +14,7 @@
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -102,4 +102,4 @@ TEST(ValidateBodies, LookAtTheirOwnLists) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

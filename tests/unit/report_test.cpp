@@ -15,7 +15,7 @@
 #include "scenes/runs/counters.hpp"
 #include "scenes/runs/run.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 using Read = nlohmann::ordered_json;
@@ -332,4 +332,4 @@ TEST(Run, ComparesWithTheTimesOfTheTruthThatItReaches) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/figures.hpp"
 #include "support/snapshots.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::add_crate;
@@ -162,4 +162,4 @@ TEST(Reserving, IsRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -17,7 +17,7 @@
 #include "scenes/runs/saved_run.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using scenes::RunFrame;
@@ -200,4 +200,4 @@ TEST_F(SavedRuns, AreRefusedIfDamaged) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

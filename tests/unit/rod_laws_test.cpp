@@ -27,7 +27,7 @@
 // It is included here.
 #include "simd/tree/law_math.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double h = 0.01;
@@ -256,4 +256,4 @@ TEST(RodJudge, LeavesOutWhatMayBeOffItsLength) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -6,7 +6,7 @@
 #include "scale/fit.hpp"
 #include "scale/output.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 TEST(ScaleFit, FindsThePowerOfLinks) {
@@ -152,4 +152,4 @@ TEST(ScaleConclusion, FollowsTheNumbers) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "scenes/basics/files.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 std::string message_of(std::string_view json) {
@@ -442,4 +442,4 @@ TEST(SceneFile, FilesAreReadAndReplacedWhole) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

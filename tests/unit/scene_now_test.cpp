@@ -14,7 +14,7 @@
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 240;
@@ -246,4 +246,4 @@ TEST(SceneNow, IsRefusedWhereNothingIsEdited) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "support/random_trees.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -443,4 +443,4 @@ TEST(BoundingDiagonal, SpansAllParticles) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

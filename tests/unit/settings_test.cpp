@@ -10,7 +10,7 @@
 #include "plumb/error.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -175,4 +175,4 @@ TEST(ToString, SpeaksTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

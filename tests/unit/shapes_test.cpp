@@ -9,7 +9,7 @@
 
 #include "plumb/layouts/islands.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using Ids = Array<std::uint32_t>;
@@ -212,4 +212,4 @@ TEST(Grid, IsNotATubeOrTwoGrids) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "scenes/spec.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 const ShotWay& way(const std::string& name) {
@@ -137,4 +137,4 @@ TEST(Shots, RisingEnergyIsSeen) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "scene/second_moments.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 Eigen::Matrix3d to_eigen(const Mat3& m) {
@@ -111,4 +111,4 @@ TEST(SecondMoments, PrincipalAxesDiagonalise) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -26,7 +26,7 @@
 #include "support/breaking.hpp"
 #include "support/refusals.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using detail::Archive;
@@ -410,4 +410,4 @@ TEST(Snapshot, HasTheVelocitiesBesideAnAnchorThatMoved) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -19,7 +19,7 @@
 #include "support/islands.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Two equal chains, a chain of another length and a ring, each somewhere else.
@@ -252,4 +252,4 @@ TEST(TreeKinds, AreSharedByWhatIsAlike) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 
 #include "scenes/basics/seeded.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// A random matrix with a symmetric pattern, as entries and dense.
@@ -95,4 +95,4 @@ TEST(SparseLdu, EstimatesWhatAnAnalysisWithoutMergedFrontsCosts) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

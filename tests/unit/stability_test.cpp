@@ -10,7 +10,7 @@
 #include "plumb/error.hpp"
 #include "stability/grid.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 const StabilityMethod& method(const std::string& name) {
@@ -210,4 +210,4 @@ TEST(Stability, WhatLandsComesToRest) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

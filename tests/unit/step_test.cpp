@@ -16,7 +16,7 @@
 #include "time/advance.hpp"
 #include "time/composition.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 const Settings direct{.method = Method::direct, .threads = 1};
@@ -176,4 +176,4 @@ TEST(Workers, AreAsManyAsAsked) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

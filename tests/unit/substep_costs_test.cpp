@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <functional>
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr std::uint32_t asked = 8;
@@ -100,4 +100,4 @@ TEST(SubstepCosts, ForgiveOneLongStep) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

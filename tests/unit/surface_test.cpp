@@ -10,7 +10,7 @@
 #include "scenes/files/scene_file.hpp"
 #include "support/bodies.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // As engines have it: the category of each is in the mask of the other, or a common group decides.
@@ -126,4 +126,4 @@ TEST(World, RefusesToMoveAPlatformWhereNoneCanBe) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr std::size_t layers = 100;
@@ -58,4 +58,4 @@ TEST(SweepMomentum, LeavesWhatIsSolved) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "contact/shapes/passing.hpp"
 #include "support/meshes.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::random_vector;
@@ -206,4 +206,4 @@ TEST(Sweep, FloorHasNoEdges) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

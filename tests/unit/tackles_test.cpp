@@ -22,7 +22,7 @@
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using detail::TackleFactors;
@@ -247,4 +247,4 @@ TEST(Tackles, SayTheirLengthAndTheirEnergy) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

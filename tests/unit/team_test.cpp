@@ -13,7 +13,7 @@
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::SerialExecutor;
@@ -126,4 +126,4 @@ TEST(DefaultExecutor, KeepsTheContract) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

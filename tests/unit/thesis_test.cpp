@@ -6,7 +6,7 @@
 #include "scenes/generators/generators.hpp"
 #include "thesis/table.hpp"
 
-namespace plumb::tools {
+namespace plumb::tools::PLUMB_TEST_FILE {
 namespace {
 
 const ThesisRow& row_named(const std::vector<ThesisRow>& rows, const std::string& what) {
@@ -91,4 +91,4 @@ TEST(ThesisSprings, HangByTheirLoad) {
 }
 
 }  // namespace
-}  // namespace plumb::tools
+}  // namespace plumb::tools::PLUMB_TEST_FILE

@@ -9,7 +9,7 @@
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "support/meshes.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::random_vector;
@@ -149,4 +149,4 @@ TEST(TouchHull, KeysNameWhatTouches) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "contact/surroundings.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 /// Distance of the lines of two segments by samples; it exceeds the true one by less than a step of each.
@@ -191,4 +191,4 @@ TEST(Surroundings, BoxesReachAsFarAsTheirCorners) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -12,7 +12,7 @@
 #include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 using test::expect_refusal;
@@ -337,4 +337,4 @@ TEST(TouchingEdits, KeepGrabs) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

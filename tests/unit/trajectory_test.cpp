@@ -9,7 +9,7 @@
 
 #include "plumb/error.hpp"
 
-namespace plumb::scenes {
+namespace plumb::scenes::PLUMB_TEST_FILE {
 namespace {
 
 std::string message_of(const std::string& rows) {
@@ -98,4 +98,4 @@ TEST(Tensions, AreWrittenByRod) {
 }
 
 }  // namespace
-}  // namespace plumb::scenes
+}  // namespace plumb::scenes::PLUMB_TEST_FILE

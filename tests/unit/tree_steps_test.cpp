@@ -16,7 +16,7 @@
 #include "support/islands.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using Kind = TreeKind<double>;
@@ -207,4 +207,4 @@ TEST(NewtonLimits, AreRelativeToRods) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -6,7 +6,7 @@
 
 #include "plumb/layouts/islands.hpp"
 
-namespace plumb::layouts {
+namespace plumb::layouts::PLUMB_TEST_FILE {
 namespace {
 
 using Ids = Array<std::uint32_t>;
@@ -99,4 +99,4 @@ TEST(Trees, CyclesAreNone) {
 }
 
 }  // namespace
-}  // namespace plumb::layouts
+}  // namespace plumb::layouts::PLUMB_TEST_FILE

@@ -15,7 +15,7 @@
 #include "scene/ground/weld.hpp"
 #include "support/meshes.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 using test::random_vector;
@@ -346,4 +346,4 @@ TEST(TouchMesh, LinesThatPierceARidgeTwiceAreOnOneSide) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

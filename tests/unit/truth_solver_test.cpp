@@ -8,7 +8,7 @@
 #include "support/truths.hpp"
 #include "truth/constraint_solver.hpp"
 
-namespace plumb::truth {
+namespace plumb::truth::PLUMB_TEST_FILE {
 namespace {
 
 /// Numbers in [-1, 1) that look random and are the same everywhere.
@@ -220,4 +220,4 @@ TEST(PivotedCholesky, RevealsRank) {
 }
 
 }  // namespace
-}  // namespace plumb::truth
+}  // namespace plumb::truth::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/truths.hpp"
 
-namespace plumb::truth {
+namespace plumb::truth::PLUMB_TEST_FILE {
 namespace {
 
 template <class Error>
@@ -141,4 +141,4 @@ TEST(Truth, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace plumb::truth
+}  // namespace plumb::truth::PLUMB_TEST_FILE

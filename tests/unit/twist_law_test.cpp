@@ -13,7 +13,7 @@
 #include "scene/bends/rod_table.hpp"
 #include "scene/bends/twists.hpp"
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 Vec3 unit(Vec3 v) {
@@ -106,4 +106,4 @@ TEST(TwistLaw, JoinsWhatHangsFromBothSidesOfAnAnchor) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

@@ -13,7 +13,7 @@
 #include "plumb/version.hpp"
 #include "support/random_trees.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 // To the rounding of some ten operations on numbers of about 1.
@@ -60,4 +60,4 @@ TEST(Export, ExceptionsAreRecognised) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace plumb::detail {
+namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
 constexpr Vec3 v0{1, -2, 3}, a{0.5, -9.81, 0.25};
@@ -83,4 +83,4 @@ TEST(Verlet, ChangedForcesKeepTheVelocity) {
 }
 
 }  // namespace
-}  // namespace plumb::detail
+}  // namespace plumb::detail::PLUMB_TEST_FILE

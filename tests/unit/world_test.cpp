@@ -10,7 +10,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 /// A chain of 20 rods, five equal chains of 3, a net of 4 x 5, a loose particle and a fixed one: 1 + 5 + 1 +
@@ -182,4 +182,4 @@ TEST(ToString, NamesWhatStopped) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE

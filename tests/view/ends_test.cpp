@@ -9,7 +9,7 @@
 #include "plumb/error.hpp"
 #include "view/exhibits.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 using Ends = std::array<const char*, 3>;
@@ -56,4 +56,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ViewEnds,
                                          "drape:size=6", "boxes:boxes=2", "pile:figures=2"));
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -10,7 +10,7 @@
 
 #include "support/refusals.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 std::size_t count(std::string_view text, std::string_view what) {
@@ -59,4 +59,4 @@ TEST(ViewExport, FindsTheWorkerOrSaysHowToBuildIt) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -14,7 +14,7 @@
 #include "view/exhibits.hpp"
 #include "view/inputs/request.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -130,4 +130,4 @@ TEST(ViewMessages, RefusedInputsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 using std::chrono::microseconds;
@@ -76,4 +76,4 @@ TEST(ViewPacing, DoesNotHurryAfterAStall) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -11,7 +11,7 @@
 #include "plumb/world.hpp"
 #include "scenes/spec.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 std::uint32_t count(const std::vector<std::uint32_t>& places) {
@@ -64,4 +64,4 @@ TEST(ViewPlacement, RodsBetweenAnchorsHaveNone) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -6,7 +6,7 @@
 #include "support/refusals.hpp"
 #include "view/exhibits.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 using test::refusal;
@@ -113,4 +113,4 @@ TEST(ViewReplay, IsRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

@@ -17,7 +17,7 @@
 #include "view/exhibits.hpp"
 #include "view/server/access.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 TEST(ViewAccess, NeedsTokenHostAndOrigin) {
@@ -249,4 +249,4 @@ TEST_F(ViewServerOfSleepers, GetAllAnswersOnceTheyRead) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE

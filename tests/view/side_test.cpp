@@ -14,7 +14,7 @@
 #include "support/refusals.hpp"
 #include "view/exhibits.hpp"
 
-namespace plumb::view {
+namespace plumb::view::PLUMB_TEST_FILE {
 namespace {
 
 using test::is_sound;
@@ -300,4 +300,4 @@ TEST(ViewSide, KnowsTheTimeOfEveryStageThatTheKernelNames) {
 }
 
 }  // namespace
-}  // namespace plumb::view
+}  // namespace plumb::view::PLUMB_TEST_FILE
