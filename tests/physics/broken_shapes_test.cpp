@@ -13,7 +13,7 @@
 #include "support/breaking.hpp"
 #include "support/worlds.hpp"
 
-namespace plumb {
+namespace plumb::PLUMB_TEST_FILE {
 namespace {
 
 constexpr double frame = 1.0 / 120;
@@ -106,4 +106,4 @@ TEST(BrokenShapes, GoOnFromASnapshot) {
 }
 
 }  // namespace
-}  // namespace plumb
+}  // namespace plumb::PLUMB_TEST_FILE
