@@ -568,8 +568,8 @@ TEST_F(Allocations, AreNoneWhereContactIsReported) {
     }
 }
 
-// The step in which a rod breaks allocates nothing. The next one makes solvers of the parts of the island, and
-// lists of what comes near grow as those with shapes part.
+// The step in which a rod breaks allocates nothing. The next one makes solvers of the parts of the island,
+// and lists of what comes near grow as those with shapes part.
 TEST_F(Allocations, AreNoneWhereRodsBreak) {
   Scene scene = scenes::make_chain(10), touching;
   scene.rods[4].law.strength = 200;

@@ -151,7 +151,8 @@ double LinkageState::most_of_blow() const {
 
 double LinkageState::driving_speed() const {
   double most = lengths.speed();
-  for (const Vec3 of_anchor : std::span(v).subspan(linkage->movable())) most = std::max(most, norm(of_anchor));
+  for (const Vec3 of_anchor : std::span(v).subspan(linkage->movable()))
+    most = std::max(most, norm(of_anchor));
   return most;
 }
 
