@@ -62,14 +62,11 @@ def wait_until(condition, what, tell):
 
 
 def take_picture(browser, file):
-    end = time.monotonic() + PATIENCE
-    while True:
-        try:
-            browser.save_screenshot(file)
-            return
-        except TimeoutException:  # the driver waits for ten seconds
-            if time.monotonic() > end:
-                raise
+    """Takes a picture to look at, unless the machine is too busy to draw one in the driver's ten seconds."""
+    try:
+        browser.save_screenshot(file)
+    except TimeoutException:
+        print("no picture in time:", file)
 
 
 class View:
