@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -55,6 +56,18 @@ double ClusterStepper::kinetic() const {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) sum += islands_[i].state->linkage->kinetic(islands_[i].state->v);
   return sum;
+}
+
+/// Returns the energy of motion and that of weight and constant forces where a substep ends, J.
+std::pair<double, double> ClusterStepper::kinetic_and_potential() const {
+  double kinetic = 0, potential = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!islands_[i].awake) continue;
+    const LinkageState& state = *islands_[i].state;
+    kinetic += state.linkage->kinetic(islands_[i].v);
+    potential += state.linkage->potential(state.x, state.force);
+  }
+  return {kinetic, potential};
 }
 
 /// Returns the energy that lifts all by its size, J.
@@ -122,13 +135,7 @@ bool ClusterStepper::guard_elastics(const Energies& before, bool touched, bool c
   for (std::uint32_t i = 0; i < count_ && !is_alone; ++i)
     if (!islands_[i].state->laws.empty()) islands_[i].state->energy.reset();
   if (!is_kept) return true;
-  double kinetic = 0, potential = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    if (!islands_[i].awake) continue;
-    const LinkageState& state = *islands_[i].state;
-    kinetic += state.linkage->kinetic(islands_[i].v);
-    potential += state.linkage->potential(state.x, state.force);
-  }
+  const auto [kinetic, potential] = kinetic_and_potential();
   const double elastic = elastic_energy(), moving = kinetic + elastic, now = moving + potential;
   LinkageState& first = *islands_[0].state;
   if (is_alone && !first.energy) {
@@ -168,13 +175,11 @@ double ClusterStepper::driving_energy(const Surroundings& surroundings) const {
 /// What it squeezes, against an anchor, say, would be thrown at any speed. `before` (J) is all energy where
 /// the substep started.
 bool ClusterStepper::guard_driven(double before, const Surroundings& surroundings, bool can_shorten) {
-  double now = 0, potential = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    if (!islands_[i].awake) continue;
-    const LinkageState& state = *islands_[i].state;
-    now += state.linkage->kinetic(islands_[i].v);
-    potential += state.linkage->potential(state.x, state.force);
-  }
+  const bool drives =
+      surroundings.any_moves() || std::any_of(islands_.begin(), islands_.begin() + count_,
+                                              [](const Island& each) { return each.state->is_driven(); });
+  if (!drives) return true;
+  const auto [now, potential] = kinetic_and_potential();
   const double then = kinetic();
   if (!(now > then)) return true;
   const double driving = driving_energy(surroundings);

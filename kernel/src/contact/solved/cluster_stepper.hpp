@@ -299,6 +299,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// since. `recovered` (J) is what ending overlaps may have lifted.
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const, elastic_energy() const, weight() const, kinetic() const;  // J
+  std::pair<double, double> kinetic_and_potential() const;
   bool is_passive() const;
   void take_back(), stop();
   /// Energies of what is awake, J.
@@ -316,8 +317,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double find_rigid_motion();
   Vec3 common_velocity();
   void scale_loose_motion(double by);
-  void keep_contacts(double h);
-  void find_pushed_out(double h);
+  void keep_contacts(double h), find_pushed_out(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);
   /// Breaks rods that pulled too much in the substep that has ended. Returns how many.
   static std::uint32_t break_rods(Island& island, double h);
