@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <random>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "plumb/plumb.hpp"
@@ -102,6 +106,141 @@ TEST(BrokenShapes, GoOnFromASnapshot) {
     }
     EXPECT_EQ(world.state_hash(), other.state_hash()) << to_string(method);
     EXPECT_FALSE(other.has_shape({ShapeKind::capsule, weak}));
+  }
+}
+
+/// A rope that lies along x above the ground, and whose rods break by themselves.
+Scene loose_rope(double strength) {
+  Scene scene;
+  scene.planes.push_back({.surface = {.friction = 0.5}});
+  for (std::uint32_t i = 0; i <= rods; ++i) {
+    const Vec3 at{0.1 * i, 0.4, 0};
+    scene.particles.push_back(i == 0 ? test::fixed(at) : test::movable(at, 0.1));
+    if (i == 0) continue;
+    scene.rods.push_back({.a = i - 1, .b = i, .law = {.strength = strength}});
+    scene.capsules.push_back({.a = point_at(i - 1), .b = point_at(i), .radius = 0.02});
+  }
+  return scene;
+}
+
+/// Asserts that all movable particles lie on the ground by a sphere each, which queries and a scene have.
+void expect_spheres_on_ground(const Scene& scene, const World& world, std::string_view what) {
+  const Scene now = world.scene();
+  Queries queries(scene);
+  queries.update(world);
+  std::vector<std::uint32_t> at;
+  for (const Capsule& each : now.capsules) {
+    EXPECT_EQ(each.a.particles, each.b.particles) << what;
+    EXPECT_EQ(each.radius, 0.02) << what;
+    at.push_back(each.a.particles[0]);
+  }
+  std::sort(at.begin(), at.end());
+  std::vector<std::uint32_t> movable;
+  for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
+    if (scene.particles[i].fixed) continue;
+    movable.push_back(i);
+    EXPECT_NEAR(world.position(i).y, 0.02, 1e-3) << what << ' ' << i;
+    const Hit hit = queries.cast_ray({world.position(i) + Vec3{0, 1, 0}, {0, -1, 0}, 2});
+    EXPECT_EQ(hit.target.list, ShapeKind::capsule) << what;
+    EXPECT_NEAR(hit.distance, 0.98, 1e-12) << "a ray from above meets its sphere";
+  }
+  EXPECT_EQ(at, movable) << what;
+}
+
+// Rods break or are cut, from the anchor, from the free end or as a random order has it. Whatever the order,
+// all that is left is as many balls on the ground, without an anchor one more than there were capsules.
+TEST(BrokenShapes, KeepParticlesOnTheGround) {
+  for (const Method method : methods)
+    for (const bool is_anchored : {true, false})
+      for (const unsigned order : {0u, 1u, 2u, 3u, 4u}) {
+        Scene scene = loose_rope(order == 0 ? 1e-3 : RodLaw{}.strength);
+        scene.particles[0].fixed = is_anchored;
+        scene.particles[0].mass = 0.1;
+        scene.particles[rods].velocity = {0, 1, 0};  // so that a free rope tears, too
+        World world(scene, settings(method));
+        std::vector<std::uint32_t> cuts(order == 0 ? 0 : rods);
+        std::iota(cuts.begin(), cuts.end(), 0u);
+        if (order == 2) std::reverse(cuts.begin(), cuts.end());
+        if (order > 2) std::shuffle(cuts.begin(), cuts.end(), std::mt19937(order));
+        for (std::size_t k = 0; k < cuts.size(); ++k) {
+          world.cut(cuts[k]);
+          if (k % order == 0) world.step(frame);
+        }
+        for (int i = 0; i < 300; ++i) world.step(frame);
+        for (std::uint32_t i = 0; i < rods; ++i) world.cut(i);  // of a torn one, what fell slack
+        for (int i = 0; i < 120; ++i) world.step(frame);
+        expect_spheres_on_ground(scene, world, to_string(method));
+      }
+}
+
+// What has no hull nor capsule but that along the rod is a sphere; an anchor and what has others is none.
+TEST(BrokenShapes, LeaveSpheresOnlyWhereNothingElseIs) {
+  for (const Method method : methods) {
+    World world(loose_rope(RodLaw{}.strength), settings(method));
+    world.cut(0);  // between the anchor and a particle with another capsule
+    world.step(frame);
+    EXPECT_FALSE(world.has_shape({ShapeKind::capsule, 0}));
+    world.cut(rods - 1);
+    world.step(frame);
+    EXPECT_TRUE(world.has_shape({ShapeKind::capsule, rods - 1}));
+    const Scene now = world.scene();
+    ASSERT_EQ(now.capsules.size(), rods - 1);
+    EXPECT_EQ(now.capsules.back().a.particles[0], rods);
+    EXPECT_EQ(now.capsules.back().b.particles[0], rods);
+    world.join({.a = rods - 1, .b = rods});  // which has no capsule; the sphere stays
+    world.step(frame);
+    EXPECT_TRUE(world.has_shape({ShapeKind::capsule, rods - 1}));
+    EXPECT_EQ(world.scene().capsules.size(), rods - 1);
+  }
+}
+
+/// A dumbbell with a capsule along its rod, above the ground.
+Scene dumbbell() {
+  Scene scene;
+  scene.planes.push_back({});
+  scene.particles = {test::movable({0, 0.1, 0}, 1), test::movable({0.5, 0.1, 0}, 1)};
+  scene.rods.push_back({.a = 0, .b = 1});
+  scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = 0.02});
+  return scene;
+}
+
+// The sphere at its second end is a capsule of the world, with a number that others can have once it is gone.
+TEST(BrokenShapes, GiveTheSecondEndANumber) {
+  for (const Method method : methods) {
+    Settings of = settings(method);
+    of.contacts = of.tensions = true;
+    World world(dumbbell(), of);
+    world.cut(0);
+    for (int i = 0; i < 120; ++i) world.step(frame);
+    const ShapeId second{ShapeKind::capsule, 1};
+    ASSERT_TRUE(world.has_shape(second));
+    EXPECT_NEAR(world.contact_force(second).y, 9.81, 1e-6) << to_string(method);
+    EXPECT_EQ(world.contacts().size(), 2u);
+
+    std::vector<std::byte> saved(world.snapshot_size());
+    world.save(saved);
+    World other(dumbbell(), of);
+    other.restore(saved);
+    world.step(frame);
+    other.step(frame);
+    EXPECT_EQ(other.state_hash(), world.state_hash());
+    EXPECT_TRUE(other.has_shape(second));
+
+    Settings changed = of;
+    changed.method = method == Method::relax ? Method::direct : Method::relax;
+    world.set_settings(changed);
+    world.step(frame);
+    EXPECT_TRUE(world.has_shape(second));
+    EXPECT_NEAR(world.position(0).y, 0.02, 1e-3);
+    EXPECT_NEAR(world.position(1).y, 0.02, 1e-3);
+
+    world.remove(1);
+    EXPECT_FALSE(world.has_shape(second));
+    EXPECT_TRUE(world.has_shape({ShapeKind::capsule, 0}));
+    Scene more = dumbbell();
+    more.planes.clear();
+    const Added next = world.add(more);
+    EXPECT_EQ(next.capsule, 1u) << "the number was free";
   }
 }
 

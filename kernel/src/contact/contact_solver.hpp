@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
@@ -71,6 +72,11 @@ class ContactSolver final : public Solver {
     const Array<Owner>& owners = owners_of(shape);
     return shape.number < owners.size() && owners[shape.number].island != ended;
   }
+  /// Returns the particle around which alone a capsule is, if there is one. Where the scene has a line, its
+  /// rod was cut.
+  std::optional<std::uint32_t> middle_of(std::uint32_t capsule) const;
+  /// Returns a capsule that is around a particle, with the scene's number of it.
+  Capsule sphere(std::uint32_t capsule) const;
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
   struct Made {
     std::uint32_t island;

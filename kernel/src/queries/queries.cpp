@@ -44,6 +44,7 @@ struct PLUMB_HIDDEN Queries::Impl {
   detail::ByKind<std::uint32_t> sizes;  ///< of the scene; a world may have more
   Array<Vec3> positions;
   Array<std::uint8_t> gone, ended_capsules, ended_hulls;  ///< by rod, and by shape of the scene
+  Array<detail::Whereabouts::Sphere> spheres;
   Array<Pose> platforms;
 };
 
@@ -76,6 +77,11 @@ Probe probe_of(const Ray& ray) {
   return {.origin = ray.origin, .direction = unit(ray.direction), .length = ray.length};
 }
 
+/// Returns whether both places of a capsule are one.
+bool has_middle(const Capsule& capsule) {
+  return capsule.a.particles == capsule.b.particles && capsule.a.weights == capsule.b.weights;
+}
+
 detail::SolidBox solid_box(Vec3 center, const QueryBox& box) {
   require_amount(std::min({box.half_size.x, box.half_size.y, box.half_size.z}), "box: half size");
   require_amount(std::max({box.half_size.x, box.half_size.y, box.half_size.z}), "box: half size");
@@ -104,7 +110,7 @@ Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
 void Queries::Impl::follow(const Scene& now) {
   const bool are_others =
       things.list_bare(now, bare.rods(), bare.particles(), bare.shapes()) || ordered.empty();
-  things.update({positions, gone, ended_capsules, ended_hulls, platforms});
+  things.update({positions, gone, ended_capsules, ended_hulls, spheres, platforms});
   if (!are_others) tree.fit(things.bounds());
   if (are_others || tree.is_worn()) tree.build(things.bounds());
   ordered.clear();
@@ -226,6 +232,10 @@ void Queries::update(const World& world) {
   };
   list_ended(ShapeKind::capsule, population.capsules, of.ended_capsules);
   list_ended(ShapeKind::hull, population.hulls, of.ended_hulls);
+  of.spheres.clear();
+  for (std::uint32_t i = 0; i < population.capsules.count(); ++i)
+    if (const auto middle = population.capsules.has(i) ? step.middle_of(i) : std::nullopt)
+      if (!has_middle(step.scene().capsules[i])) of.spheres.push_back({i, *middle});
   of.bare.find(step.scene(), population, [&](ShapeId shape) { return step.has_shape(shape); });
   of.follow(step.scene());
 }

@@ -159,7 +159,11 @@ void Things::update(const Whereabouts& now) {
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     const auto& [thing, a, b] = lines_[i];
     const bool has_ended = i < now.ended_capsules.size() && now.ended_capsules[i] != 0;
-    put(thing, a.of(now.positions), b.of(now.positions), !has_ended);
+    const auto middle = now.middle_of(targets_[things_[thing].number].number);
+    if (middle && !has_ended)
+      put(thing, now.positions[*middle], now.positions[*middle], true);
+    else
+      put(thing, a.of(now.positions), b.of(now.positions), !has_ended);
   }
   std::size_t bare = first_.things;
   for (const BareRod& each : rods_)

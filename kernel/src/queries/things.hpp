@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "contact/linkage/combination.hpp"
@@ -51,9 +53,23 @@ struct AddedShape {
 /// Says where a world is. Rods that are out, and capsules and hulls of the scene that ended, are bytes other
 /// than 0.
 struct Whereabouts {
+  /// This is a capsule that is a sphere around a particle, since its rod is out.
+  struct Sphere {
+    std::uint32_t capsule, particle;
+  };
+
   std::span<const Vec3> positions;  ///< m, by particle
   std::span<const std::uint8_t> gone, ended_capsules, ended_hulls;
+  std::span<const Sphere> spheres;  ///< ascending by capsule
   std::span<const Pose> platforms;
+
+  /// Returns the particle around which a capsule is a sphere, if it is one of these.
+  std::optional<std::uint32_t> middle_of(std::uint32_t capsule) const {
+    const auto at = std::lower_bound(spheres.begin(), spheres.end(), capsule,
+                                     [](const Sphere& each, std::uint32_t of) { return each.capsule < of; });
+    if (at == spheres.end() || at->capsule != capsule) return std::nullopt;
+    return at->particle;
+  }
 };
 
 /// Keeps what of a world can be found by queries, and where it is now.

@@ -153,6 +153,11 @@ class Step : public InMemory {
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
   bool has_shape(ShapeId shape) const { return !compiled_.contact || compiled_.contact->has_shape(shape); }
+  /// Returns the particle around which alone a capsule is, if there is one: where the scene says so, and
+  /// where a rod that it was along is out.
+  std::optional<std::uint32_t> middle_of(std::uint32_t capsule) const {
+    return compiled_.contact ? compiled_.contact->middle_of(capsule) : std::nullopt;
+  }
   /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
   Vec3 force_on_ground(ShapeId ground) const {
     return compiled_.contact ? compiled_.contact->force_on_ground(ground) : Vec3{};
@@ -234,7 +239,7 @@ class Step : public InMemory {
   void cut_broken();
   void split(Fallen fallen, Split& now);
   void repeat(Split split_then);
-  void exchange(const Fallen& fallen, Split& now, Compiled made);
+  void exchange(Fallen& fallen, Split& now, Compiled made);
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
   void take_along(const Split& now);
@@ -263,6 +268,7 @@ class Step : public InMemory {
   PartEdits list_part_edits(const Edits& edits, Array<std::uint32_t>& touched) const;
   Array<std::uint32_t> meeting(const Edits& edits) const;
   Array<ContactSolver::Made> make_parts(const Fallen& fallen) const;
+  Array<ContactSolver::Made> make_numbered_parts(Fallen& fallen, Split& now);
   void go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made);
   bool holds_linkage(std::uint32_t particle) const;
   Array<std::uint32_t> bent_with(std::uint32_t particle) const;

@@ -199,10 +199,10 @@ auto ContactSolver::add(const NamedPart& part) -> Array<Made> {
 /// Does to an island what is listed of it.
 void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   const Scene before = part.scene;
-  for (const std::uint32_t rod : edits.cut) part.cut(rod);
+  part.refix(edits);  // before cuts, which give movable particles shapes
+  for (const std::uint32_t rod : edits.cut) part.cut(rod, edits);
   for (const auto& [particle, mass] : edits.heavier)
     if (Particle* const own = part.find(particle)) own->mass += mass;
-  part.refix(edits);
   part.end_fixed();
   part.end_torn_capsules(&before);
 }

@@ -43,8 +43,8 @@ auto ContactSolver::make_met(Meeting of) -> Array<Made> {
         met.were.try_emplace(part.names.particles[k], island, k);
     if (is_plain_[island] != 0) {
       met.plain_gradient = state.gradient;
-      for (const std::uint32_t rod : of.edits.cut) part.cut(rod);
-      part.refix(of.edits);
+      part.refix(of.edits);  // first, as in edit()
+      for (const std::uint32_t rod : of.edits.cut) part.cut(rod, of.edits);
       plain.push_back(std::move(part));
     } else {
       edit(part, of.edits);

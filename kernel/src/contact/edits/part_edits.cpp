@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/platforms/anchored.hpp"
+#include "plumb/joints.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -42,7 +44,7 @@ bool joins_islands(const Scene& scene, const Array<std::uint32_t>& islands, cons
 
 }  // namespace
 
-void NamedPart::cut(std::uint32_t number) {
+void NamedPart::cut(std::uint32_t number, const PartEdits& edits) {
   const auto at = std::find(names.rods.begin(), names.rods.end(), number);
   if (at == names.rods.end()) return;
   const auto index = static_cast<std::size_t>(at - names.rods.begin());
@@ -55,8 +57,7 @@ void NamedPart::cut(std::uint32_t number) {
   };
   erase_numbered(scene.bends, names.bends,
                  [&](const Bend& bend) { return is_along(bend.a, bend.b) || is_along(bend.b, bend.c); });
-  erase_numbered(scene.capsules, names.capsules,
-                 [&](const Capsule& capsule) { return particles_of(capsule) == ends; });
+  end_capsules_along(ends, edits);
   if (mass.ab != 0) {
     rod.law = {.stiffness = 0};
     return;
@@ -66,6 +67,39 @@ void NamedPart::cut(std::uint32_t number) {
   const auto offset = static_cast<std::ptrdiff_t>(index);
   scene.rods.erase(scene.rods.begin() + offset);
   names.rods.erase(names.rods.begin() + offset);
+}
+
+bool NamedPart::is_bare_without(const Array<std::uint32_t>& ends, std::uint32_t particle) const {
+  const auto is_at = [&](const Capsule& capsule) {
+    const Array<std::uint32_t> at = particles_of(capsule);
+    return at != ends && std::binary_search(at.begin(), at.end(), particle);
+  };
+  const auto is_of = [&](const Hull& hull) {
+    const auto& of = scene.bodies[hull.body].particles;
+    return std::count(of.begin(), of.end(), particle) > 0;
+  };
+  return !scene.particles[particle].fixed &&
+         std::none_of(scene.capsules.begin(), scene.capsules.end(), is_at) &&
+         std::none_of(scene.hulls.begin(), scene.hulls.end(), is_of);
+}
+
+void NamedPart::end_capsules_along(const Array<std::uint32_t>& ends, const PartEdits& edits) {
+  Array<std::uint32_t> bare;
+  for (const std::uint32_t end : ends)
+    if (is_bare_without(ends, end)) bare.push_back(end);
+  std::optional<Capsule> last;
+  auto next = bare.begin();
+  erase_numbered(scene.capsules, names.capsules, [&](Capsule& capsule) {
+    if (particles_of(capsule) != ends) return false;
+    if (next == bare.end()) return true;
+    capsule.a = capsule.b = point_at(*next++);
+    last = capsule;
+    return false;
+  });
+  if (!last || next == bare.end()) return;
+  last->a = last->b = point_at(*next);
+  scene.capsules.push_back(*last);
+  names.capsules.push_back(edits.number_of_sphere());
 }
 
 Particle* NamedPart::find(std::uint32_t particle) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -30,6 +31,9 @@ struct PartEdits {
   Array<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
   Array<std::uint32_t> fixed{};                       ///< particles that stand from now on
   Array<std::uint32_t> freed{};                       ///< particles that move from now on
+  /// Gives numbers to spheres at ends that have no other shape after a cut, where one end has that of the
+  /// capsule.
+  std::function<std::uint32_t()> number_of_sphere{};
 
   bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty() || !freed.empty(); }
 };
@@ -41,8 +45,8 @@ class NamedPart {
   Names names{};
 
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
-  /// one that pulls nothing.
-  void cut(std::uint32_t rod);
+  /// one that pulls nothing. An end that moves and would have no shape without such a capsule gets a sphere.
+  void cut(std::uint32_t rod, const PartEdits& edits);
   /// Returns a particle by its number, or null if it is not here.
   Particle* find(std::uint32_t particle);
   /// Fixes and frees particles.
@@ -54,6 +58,12 @@ class NamedPart {
   void end_torn_capsules(const Scene* before);
   /// Returns what has no movable particle though it needs one, such as "pin 3", or nothing.
   std::string held() const;
+
+ private:
+  /// Ends capsules along a rod that goes, between two particles, which ascend.
+  void end_capsules_along(const Array<std::uint32_t>& ends, const PartEdits& edits);
+  /// Returns whether a particle moves and has no shape but capsules along that rod.
+  bool is_bare_without(const Array<std::uint32_t>& ends, std::uint32_t particle) const;
 };
 
 /// Returns what parts have, in the order of numbers. What several have is as the first has it.

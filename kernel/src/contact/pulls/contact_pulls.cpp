@@ -1,8 +1,10 @@
 // This file says what the contact solver's islands were held and pushed with in the last step.
 
 #include <limits>
+#include <optional>
 
 #include "contact/contact_solver.hpp"
+#include "plumb/joints.hpp"
 
 namespace plumb::detail {
 
@@ -28,6 +30,22 @@ ShapeId ContactSolver::id_of(std::uint32_t island, std::uint32_t shape) const {
   const auto &capsules = names_[island].capsules, &hulls = names_[island].hulls;
   if (shape < capsules.size()) return {ShapeKind::capsule, capsules[shape]};
   return {ShapeKind::hull, hulls[shape - capsules.size()]};
+}
+
+std::optional<std::uint32_t> ContactSolver::middle_of(std::uint32_t capsule) const {
+  if (capsule >= owners_.capsules.size() || owners_.capsules[capsule].island >= ended) return std::nullopt;
+  const auto [island, number] = owners_.capsules[capsule];
+  const Linkage::Shape& shape = states_[island].linkage->shapes()[number];
+  const std::uint32_t at = shape.a.terms[0].particle;
+  if (shape.a.count != 1 || shape.b.count != 1 || shape.b.terms[0].particle != at) return std::nullopt;
+  return states_[island].particles[at];
+}
+
+Capsule ContactSolver::sphere(std::uint32_t capsule) const {
+  const auto [island, number] = owners_.capsules[capsule];
+  const Linkage::Shape& shape = states_[island].linkage->shapes()[number];
+  const Point middle = point_at(*middle_of(capsule));
+  return {.a = middle, .b = middle, .radius = shape.radius, .surface = shape.surface, .filter = shape.filter};
 }
 
 void ContactSolver::begin_pulls(const Settings& settings) {

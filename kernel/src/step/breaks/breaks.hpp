@@ -96,6 +96,7 @@ class Breaks {
   /// Takes at least so many of each kind. New ones have nothing before add().
   void grow(const Population& to);
   void add(const Addition& what);
+  void add_capsule(std::uint32_t number, const Capsule& capsule);
   /// Lists the particles, rods, bends and tackles of an island as it is, with the fixed particles that it
   /// hangs from, and all rods at its movable ones. It is that of a movable particle, or, if joints hold it
   /// together, that which has `jointed` particles. Of a fixed particle it lists that and its rods.

@@ -44,6 +44,12 @@ void Breaks::grow(const Population& to) {
   rods_at_.grow(to.particles.count());
 }
 
+void Breaks::add_capsule(std::uint32_t number, const Capsule& capsule) {
+  if (!grown_) grown_ = parts_of(first_);
+  resize_to(grown_->capsules, number + 1, {});
+  grown_->capsules[number] = capsule;
+}
+
 void Breaks::add(const Addition& what) {
   const Scene& scene = what.scene;
   const ByKind<std::uint32_t>& first = what.first;

@@ -21,13 +21,14 @@ struct Split {
   Array<std::uint32_t> removed{};         ///< one particle of an island at most
   Array<std::uint32_t> seats{};           ///< numbers of the solvers that were made
   Array<std::uint32_t> islands{};         ///< numbers that the contact solver gave
+  Array<std::uint32_t> spheres{};         ///< numbers of capsules that are at ends of what was cut
 
   friend bool operator==(const Split&, const Split&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Split& of) {
-  auto& [rods, edits, positions, velocities, lengths, added, removed, seats, islands] = of;
-  archive(rods, edits, positions, velocities, lengths, added, removed, seats, islands);
+  auto& [rods, edits, positions, velocities, lengths, added, removed, seats, islands, spheres] = of;
+  archive(rods, edits, positions, velocities, lengths, added, removed, seats, islands, spheres);
 }
 
 /// Lists what a world did to the islands of its scene. Of what was added nothing stays once it is removed,

@@ -131,8 +131,9 @@ void Step::redo(const Split& split, const Step& from) {
   }
   now.rods = split.rods;
   now.edits = split.edits;
+  now.spheres = split.spheres;
   require_simple_meeting("settings", now.edits);
-  const Fallen fallen = take_out(now);
+  Fallen fallen = take_out(now);
   const Log::Group group = group_of(fallen, now);
   put_joined(now.edits);
   const Scene& scene = breaks_.scene_now();
@@ -154,7 +155,7 @@ void Step::redo(const Split& split, const Step& from) {
     lengths_.add(cord, now.lengths.back());
   }
   go_on_as_long(fallen.held.names.rods);
-  this->split(fallen, now);
+  this->split(std::move(fallen), now);
   log_.push(std::move(now), group);
 }
 

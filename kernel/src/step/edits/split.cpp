@@ -163,7 +163,7 @@ Settings Step::settings_of_now() const {
 }
 
 /// Lets new solvers move islands that fell apart, from where they are.
-void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
+void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
   Array<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     if (anchors_.is_fixed(fallen.particles[k])) continue;
@@ -183,9 +183,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   refix(now.edits);
   Array<ContactSolver::Made> parts;
   if (!fallen.parts.empty()) {
-    compiled_.contact->numbers().give(now.islands);
-    parts = make_parts(fallen);
-    now.islands = compiled_.contact->numbers().made();
+    parts = make_numbered_parts(fallen, now);
   }
   std::uint32_t islands = 0;
   const Array<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);

@@ -196,6 +196,25 @@ Array<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
   return out;
 }
 
+/// Makes them with the numbers that islands and spheres had, if it was done before, and else says which.
+Array<ContactSolver::Made> Step::make_numbered_parts(Fallen& fallen, Split& now) {
+  ContactSolver& contact = *compiled_.contact;
+  contact.numbers().give(now.islands);
+  std::size_t spheres = 0;
+  fallen.part_edits.number_of_sphere = [&] {
+    if (spheres == now.spheres.size()) {
+      now.spheres.push_back(population_.capsules.find(1));
+      population_.capsules.take(now.spheres.back(), 1);
+    }
+    return now.spheres[spheres++];
+  };
+  Array<ContactSolver::Made> out = make_parts(fallen);
+  now.islands = contact.numbers().made();
+  for (const std::uint32_t number : now.spheres)
+    if (contact.middle_of(number)) breaks_.add_capsule(number, contact.sphere(number));
+  return out;
+}
+
 /// Lets what was moved elsewhere, or came together, go on in the contact solver as it went.
 void Step::go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver::Made> made) {
   for (const std::uint32_t particle : fallen.held.names.particles)

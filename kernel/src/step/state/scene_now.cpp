@@ -166,8 +166,10 @@ class Present {
   }
 
   void copy_shapes() {
-    for_those(all_.capsules, there_.capsules, [&](std::uint32_t i, const Capsule& capsule) {
-      if (step_.has_shape({ShapeKind::capsule, i})) out_.capsules.push_back(capsule);
+    for_those(all_.capsules, there_.capsules, [&](std::uint32_t i, Capsule& capsule) {
+      if (!step_.has_shape({ShapeKind::capsule, i})) return;
+      if (const auto middle = step_.middle_of(i)) capsule.a = capsule.b = point_at(particles_[*middle]);
+      out_.capsules.push_back(capsule);
     });
     for_those(all_.hulls, there_.hulls, [&](std::uint32_t i, Hull& hull) {
       if (!step_.has_shape({ShapeKind::hull, i})) return;
