@@ -490,7 +490,7 @@ TEST(Things, WhatHasNoFinitePlaceIsGone) {
   const std::vector<std::uint8_t> broken(scene.rods.size()), ended(scene.capsules.size()),
       replaced(scene.particles.size());
   const auto forms = [&] {
-    things.update({positions, replaced, broken, ended, {}});
+    things.update({positions, replaced, broken, ended, {}, {}});
     return std::vector{things.list()[0].form, things.list()[1].form, things.list()[2].form};
   };
   EXPECT_EQ(forms(), (std::vector{Form::capsule, Form::capsule, Form::solid}));

@@ -172,9 +172,8 @@ class PLUMB_API World {
 
   /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
   /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
-  /// does nothing to a rod that is out. A capsule along it ends, but for spheres at ends without other
-  /// shapes, the second with a new number. So does one between places that come apart. What lies on the
-  /// island wakes.
+  /// does nothing to a rod that is out. A capsule along it ends, but for spheres at ends without any other,
+  /// the second with a new number. One between places that come apart ends. What lies on the island wakes.
   ///
   /// Throws InputError on an unknown rod, and where an island cannot be made anew. That is one with reels, or
   /// with a twist that does not end. So it does on a rod between particles of a body.
