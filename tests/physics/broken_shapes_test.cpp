@@ -215,6 +215,10 @@ TEST(BrokenShapes, GiveTheSecondEndANumber) {
     const ShapeId second{ShapeKind::capsule, 1};
     ASSERT_TRUE(world.has_shape(second));
     EXPECT_NEAR(world.contact_force(second).y, 9.81, 1e-6) << to_string(method);
+    std::vector<Vec3> forces(world.shape_count());
+    world.copy_contact_forces(forces);
+    EXPECT_EQ(forces.size(), 2u);
+    EXPECT_EQ(forces[1], world.contact_force(second));
     EXPECT_EQ(world.contacts().size(), 2u);
 
     std::vector<std::byte> saved(world.snapshot_size());

@@ -47,6 +47,23 @@ TEST(ForcesFile, HasWhatTheWorldKnows) {
   EXPECT_EQ(forces.reactions[0], world.reaction(0));
 }
 
+// A rod that breaks leaves a sphere at each end, and the world one shape more than the scene.
+TEST(ForcesFile, KnowsTheShapesOfTheScene) {
+  Scene scene;
+  scene.planes.push_back({});
+  scene.particles = {test::movable({0, 1, 0}, 1), test::movable({1, 1, 0}, 1)};
+  scene.particles[1].velocity = {0, 2, 0};
+  scene.rods = {{.a = 0, .b = 1, .law = {.strength = 0.1}}};
+  scene.capsules = {{.a = point_at(0), .b = point_at(1), .radius = 0.1}};
+  World world(scene, {.tensions = true});
+  for (int i = 0; i < 240; ++i) world.step(1.0 / 120);
+  EXPECT_EQ(world.shape_count(), 2u);
+  Forces forces = make_forces(scene);
+  copy_forces(world, forces);
+  ASSERT_EQ(forces.contacts.size(), 1u);
+  EXPECT_NEAR(forces.contacts[0].y, 9.81, 1e-6);
+}
+
 TEST(TensionsFile, IsReadIntoFrames) {
   std::vector<Frame> frames{{.t = 0.5, .positions = {}, .velocities = {}},
                             {.t = 1, .positions = {}, .velocities = {}}};

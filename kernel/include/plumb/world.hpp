@@ -192,8 +192,7 @@ class PLUMB_API World {
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end, and so do
   /// capsules between fixed ones. What hangs from it goes on with velocities that its rods and joints allow.
   /// Throws InputError as cut() does, and on particles of tackles, twists, reels and wound rods to fixed
-  /// ones. So it does where a rod of a bend would have both ends fixed, or nothing of a body or joint could
-  /// move.
+  /// ones. So it does where a rod of a bend would have both ends fixed, or a body or joint would stand.
   void fix(std::uint32_t particle);
   /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. All that hangs
   /// from it comes together. Throws InputError as fix() and join() do, if it has no mass, and if it holds a
@@ -301,8 +300,8 @@ class PLUMB_API World {
   Vec3 contact_force(ShapeId shape) const;
   /// Returns whether edits have left a shape, as they do all ground. Throws InputError on an unknown name.
   bool has_shape(ShapeId shape) const;
-  /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
-  /// as the world has numbers of shapes, or without Settings::tensions.
+  /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has shape_count()
+  /// elements, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;
 
   /// Returns the pairs of shapes, not their points, that touched in the last step, and those that did in the
@@ -346,7 +345,8 @@ class PLUMB_API World {
   /// Returns its velocity in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
   Vec3 velocity(std::uint32_t particle) const;
 
-  std::uint32_t body_count() const;  ///< Numbers of bodies, with reserved and removed ones.
+  std::uint32_t body_count() const;   ///< Numbers of bodies, with reserved and removed ones.
+  std::uint32_t shape_count() const;  ///< Numbers of capsules and hulls, with reserved and removed ones.
   /// Returns where a body is: its centre of mass, and how it has turned since the scene, where its
   /// orientation is that of the axes of space. Of w, x, y, z the largest is positive. Where sweeps leave a
   /// strain, this is the rotation nearest to how its particles lie. Throws InputError on an unknown body.

@@ -296,6 +296,9 @@ std::vector<Problem> World::problems(double most_strain) const {
 std::uint32_t World::particle_count() const {
   return static_cast<std::uint32_t>(impl_->fixed.size());
 }
+std::uint32_t World::shape_count() const {
+  return impl_->shape_count();
+}
 std::uint32_t World::rod_count() const {
   return impl_->step->population().rods.count();
 }

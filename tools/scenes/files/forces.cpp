@@ -40,7 +40,8 @@ Forces make_forces(const Scene& scene) {
 
 void copy_forces(const World& world, Forces& forces) {
   world.copy_reactions(forces.reactions);
-  world.copy_contact_forces(forces.contacts);
+  // Ends of rods that broke may have shapes that the scene does not have.
+  for (std::uint32_t i = 0; i < forces.contacts.size(); ++i) forces.contacts[i] = world.contact_force(i);
   for (std::uint32_t i = 0; i < forces.pins.size(); ++i) forces.pins[i] = world.pin_force(i);
   for (std::uint32_t i = 0; i < forces.springs.size(); ++i) forces.springs[i] = world.spring_force(i);
   for (std::uint32_t i = 0; i < forces.angles.size(); ++i) forces.angles[i] = world.angle_torque(i);

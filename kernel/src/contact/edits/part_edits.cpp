@@ -22,6 +22,15 @@ Array<std::uint32_t> particles_of(const Capsule& capsule) {
   return out;
 }
 
+bool has_share(const Capsule& capsule, std::uint32_t particle) {
+  const auto is_of = [&](const Point& point) {
+    for (std::size_t k = 0; k < point.particles.size(); ++k)
+      if (point.weights[k] != 0 && point.particles[k] == particle) return true;
+    return false;
+  };
+  return is_of(capsule.a) || is_of(capsule.b);
+}
+
 /// Returns by particle the island that all but shapes hold together, and one that none has for fixed ones.
 Array<std::uint32_t> bare_islands(Scene scene) {
   scene.capsules.clear();
@@ -71,8 +80,7 @@ void NamedPart::cut(std::uint32_t number, const PartEdits& edits) {
 
 bool NamedPart::is_bare_without(const Array<std::uint32_t>& ends, std::uint32_t particle) const {
   const auto is_at = [&](const Capsule& capsule) {
-    const Array<std::uint32_t> at = particles_of(capsule);
-    return at != ends && std::binary_search(at.begin(), at.end(), particle);
+    return has_share(capsule, particle) && particles_of(capsule) != ends;
   };
   const auto is_of = [&](const Hull& hull) {
     const auto& of = scene.bodies[hull.body].particles;

@@ -182,9 +182,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
   const Array<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
   Array<ContactSolver::Made> parts;
-  if (!fallen.parts.empty()) {
-    parts = make_numbered_parts(fallen, now);
-  }
+  if (!fallen.parts.empty()) parts = make_numbered_parts(fallen, now);
   std::uint32_t islands = 0;
   const Array<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});

@@ -209,6 +209,7 @@ Array<ContactSolver::Made> Step::make_numbered_parts(Fallen& fallen, Split& now)
     return now.spheres[spheres++];
   };
   Array<ContactSolver::Made> out = make_parts(fallen);
+  fallen.part_edits.number_of_sphere = nullptr;
   now.islands = contact.numbers().made();
   for (const std::uint32_t number : now.spheres)
     if (contact.middle_of(number)) breaks_.add_capsule(number, contact.sphere(number));
