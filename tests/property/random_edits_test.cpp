@@ -397,5 +397,12 @@ TEST(RandomEdits, KeepWhatTheyPromise) {
   EXPECT_GE(edits, testing::Test::HasFailure() ? 0 : count);
 }
 
+// Boxes are added within a rope that flies as they do. What pushes them apart is relaxed in the end, and held
+// back to the motion that all have in common.
+TEST(RandomEdits, KeepMomentumOfWhatFliesAsOne) {
+  std::uint64_t edits = 0;
+  try_world(1650, edits);
+}
+
 }  // namespace
 }  // namespace plumb::PLUMB_TEST_FILE

@@ -266,8 +266,9 @@ void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, con
   ++(energy - most > contact_limits::gained * energy ? report.guarded_energy : report.trimmed_energy);
   typename Crowd<T>::CommonMotion common{};
   if (!contacts_.push_ground()) common = crowd_.common_motion();
-  if (!(common.energy < most)) common = {};
-  crowd_.slow(std::sqrt((most - common.energy) / (energy - common.energy)), common.velocity);
+  // What flew as one has nothing else to begin with, and most is the energy of that but for rounding.
+  const double rest = energy - common.energy;
+  crowd_.slow(rest > 0 ? std::sqrt(std::max(0.0, most - common.energy) / rest) : 1, common.velocity);
 }
 
 /// Returns what elastics hold (J), with their laws in this substep, where islands are.

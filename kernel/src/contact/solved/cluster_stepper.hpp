@@ -95,8 +95,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool substep(const Surroundings& surroundings, double h, Tally& report);
   double solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h,
                double least, Tally& report);
-  double solve_strained(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                        Tally& report);
+  double solve_strained(std::span<LinkageState* const> cluster, const Surroundings& where, Tally& report);
+  void take_displacements();
   bool relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                    std::uint32_t substeps, double dt, Tally& report);
   bool presses_as_crowd() const;

@@ -131,30 +131,43 @@ bool ClusterStepper::will_come_taut() {
 /// others' velocities are how far they went, unless that is faster than they were and than relaxation lets
 /// them be: what overlaps is pushed apart in however little time. Returns that time (s), or 0 if it cannot be
 /// relaxed: all stays where it is then.
-double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster,
-                                      const Surroundings& surroundings, Tally& report) {
+double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster, const Surroundings& where,
+                                      Tally& report) {
   keeps_strain_ = may_sink_ = true;
   for (std::uint32_t i = 0; i < count_; ++i)
     if (LinkageState& state = *islands_[i].state; islands_[i].awake && state.linkage->is_grounded())
       std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
-  if (!relax(cluster, surroundings, 1, left_, report)) {
+  if (!relax(cluster, where, 1, left_, report)) {
     ++report.unsolved;
     stop();
     return 0;
   }
   ++report.fallbacks;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    LinkageState& state = *islands_[i].state;
-    state.relax_for = patience;
-    if (!islands_[i].awake || state.linkage->is_grounded()) continue;
-    Array<Vec3>& moved = islands_[i].v;
-    moved.resize(state.linkage->movable());
-    for (std::uint32_t k = 0; k < moved.size(); ++k) moved[k] = (1 / left_) * (state.x[k] - before_[i].x[k]);
-    const auto energy = [&](std::span<const Vec3> v) { return state.linkage->kinetic(v); };
-    if (energy(moved) <= std::max(energy(before_[i].v), energy(state.v)))
-      std::copy(moved.begin(), moved.end(), state.v.begin());
-  }
+  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->relax_for = patience;
+  take_displacements();
   return left_;
+}
+
+/// Lets what flies be as fast as it went in what was left of the step, if all of that has no more energy than
+/// it had, or than relaxation gave it. Some islands alone would not keep the momentum of all.
+void ClusterStepper::take_displacements() {
+  const auto for_flying = [&](auto&& f) {
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (LinkageState& state = *islands_[i].state; islands_[i].awake && !state.linkage->is_grounded())
+        f(state, islands_[i].v, before_[i]);
+  };
+  double as_it_went = 0, before_all = 0, relaxed = 0;  // J
+  for_flying([&](const LinkageState& state, Array<Vec3>& by, const auto& before) {
+    by.resize(state.linkage->movable());
+    for (std::uint32_t k = 0; k < by.size(); ++k) by[k] = (1 / left_) * (state.x[k] - before.x[k]);
+    as_it_went += state.linkage->kinetic(by);
+    before_all += state.linkage->kinetic(before.v);
+    relaxed += state.linkage->kinetic(state.v);
+  });
+  if (!(as_it_went <= std::max(before_all, relaxed))) return;
+  for_flying([](LinkageState& state, const Array<Vec3>& by, const auto&) {
+    std::copy(by.begin(), by.end(), state.v.begin());
+  });
 }
 
 /// Changes how what halving did not help is solved, if there is another way. Returns whether there is.
