@@ -74,8 +74,13 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   return true;
 }
 
-/// Finds velocities of an island that ground holds, from a guess of them.
+/// Finds velocities of an island that ground holds, from a guess of them, with what pulls there.
 void ClusterStepper::find_velocities_on_ground(Island& island) {
+  do balance_velocities(island);
+  while (let_go_at_end(island));
+}
+
+void ClusterStepper::balance_velocities(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();

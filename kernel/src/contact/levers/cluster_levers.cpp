@@ -132,7 +132,7 @@ bool ClusterStepper::touches_others(std::uint32_t i) const {
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
-  bool may_stand = linkage.gives_smoothly() && !linkage.is_redundant() && !touches_others(i);
+  bool may_stand = !linkage.is_redundant() && !touches_others(i);
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });

@@ -84,7 +84,9 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
   if (use == Use::relaxed || flat_rods() == 0) color_rods();
-  relaxes_ = part.bodies.empty() && airs_.empty() && colored_.colors() > 0;
+  const bool any_rigid = std::any_of(part.rods.begin(), part.rods.end(),
+                                     [](const Rod& rod) { return !rod.law.is_elastic(); });
+  relaxes_ = part.bodies.empty() && airs_.empty() && (any_rigid || movable_ == 1);
   if (use == Use::relaxed) return;
   plan(isa);
   hold_constraints(x);

@@ -152,8 +152,6 @@ class Linkage {
   ElasticRange elastics_of_spring(std::uint32_t i) const { return of_springs_[i]; }
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
   std::span<const BendElastics> bends() const { return bends_; }
-  /// Returns whether no elastics but those of bends and grabs are there, if any.
-  bool gives_smoothly() const;
   bool is_of_bend(std::size_t elastic) const;
   std::size_t first_grab() const { return first_grab_; }  ///< the first of the elastics that grabs are
   /// Returns whether some rod may break.

@@ -106,10 +106,6 @@ void Linkage::add_bends(const Scene& part) {
   }
 }
 
-bool Linkage::gives_smoothly() const {
-  return first_grab_ == 0 || is_of_bend(0);
-}
-
 bool Linkage::is_of_bend(std::size_t elastic) const {
   return !bends_.empty() && elastic >= bends_.front().first && elastic < first_grab_;
 }

@@ -119,14 +119,6 @@ void LinkageState::break_rod(std::size_t elastic) {
   slow_time = -awake_after_break;
 }
 
-bool LinkageState::factor_with_rigid_rods() {
-  find_gives();
-  return factor_with_elastics([&](std::size_t i) {
-    const ElasticLaw& law = laws[i];
-    return std::isinf(law.stiffness) && !law.one_sided && std::isfinite(law.strength) ? 0.0 : -1.0;
-  });
-}
-
 void LinkageState::rates(std::span<const Vec3> velocities, Linkage::Range of, std::span<double> right) const {
   linkage->rates(x, velocities, of, right);
   for (const RodLengths::Change& each : lengths.changes())

@@ -130,9 +130,6 @@ struct LinkageState : LinkageMotion {
       }
     return count;
   }
-  /// Factorises the matrix at x with the rods that are rigid until they break.
-  bool factor_with_rigid_rods();
-
   /// Factorises the matrix at x, without elastics. Returns false if it has no factors.
   bool factor() {
     assemble(x);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace plumb::detail {
 namespace {
@@ -17,11 +18,40 @@ constexpr double good_progress = 0.2;
 /// what they would go without it.
 constexpr double firm = 1e6;
 
-/// Factorises the matrix where the island is, with what ground holds.
-bool factor_with_holds(LinkageState& state, std::span<const Hold> holds) {
-  if (holds.empty()) return state.factor();
-  state.assemble_with_elastics(state.x, [](std::size_t) { return -1.0; });
-  for (const Hold& hold : holds)
+/// Finds which rods that break or hang slack are among constraints where the island is: `acts` adds to them.
+template <class Acts>
+void take_up(const LinkageState& state, ProjectionWork& work, Acts&& acts) {
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const ElasticLaw& law = state.laws[i];
+    if (!std::isinf(law.stiffness) || work.acts[i] != 0) continue;
+    work.acts[i] = !law.one_sided || acts(state.linkage->elastics()[i], law);
+    work.is_new = work.is_new || work.acts[i] != 0;
+  }
+}
+
+/// Writes by how much rods that act are off their lengths, times -1. Returns the largest share of a length.
+double misfit_of_elastics(const LinkageState& state, ProjectionWork& work, std::span<double> right) {
+  const Linkage& linkage = *state.linkage;
+  take_up(state, work, [&](const Elastic& elastic, const ElasticLaw& law) {
+    return linkage.number(elastic, state.x, law.rest) > (1 + unnoticed) * law.rest;
+  });
+  double worst = 0;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    if (work.acts[i] == 0) continue;
+    const Elastic& elastic = linkage.elastics()[i];
+    const double off = linkage.number(elastic, state.x, state.laws[i].rest) - state.laws[i].rest;
+    right[linkage.plan().position(elastic.row)] = -off;
+    worst = std::max(worst, std::abs(off) / state.laws[i].rest);
+  }
+  return worst;
+}
+
+/// Factorises the matrix where the island is, with rods that act and what ground holds.
+bool factor_with_holds(LinkageState& state, ProjectionWork& work) {
+  if (std::exchange(work.is_new, false)) state.find_gives();
+  if (work.holds.empty() && state.laws.empty()) return state.factor();
+  state.assemble_with_elastics(state.x, [&](std::size_t i) { return work.acts[i] != 0 ? 0.0 : -1.0; });
+  for (const Hold& hold : work.holds)
     state.linkage->stiffen(hold.at, outer(firm * state.linkage->heaviest(hold.at), hold.along),
                            state.factors);
   return state.linkage->plan().factor(state.factors);
@@ -64,7 +94,9 @@ void Visitor::leave(const LinkageState& state) {
 
 double project_positions(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
-  if (linkage.constraints() == 0) return 0;
+  if (linkage.constraints() == 0 && state.laws.empty()) return 0;
+  work.acts.assign(state.laws.size(), 0);
+  work.is_new = false;
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
   work.before = state.x;
@@ -72,11 +104,13 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
   bool fits = false;
   for (int i = 0; i < most_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
-    const double violation = linkage.violations(state.x, state.lengths.squares(), right);
+    const double violation = std::max(linkage.violations(state.x, state.lengths.squares(), right),
+                                      misfit_of_elastics(state, work, right));
     if (i == 0) first = violation;
     fits = violation <= unnoticed && (i > 0 || work.holds.empty());
     if (fits || !std::isfinite(violation)) break;
-    if ((i == 0 || violation > good_progress * last) && !factor_with_holds(state, work.holds)) break;
+    const bool is_stale = i == 0 || work.is_new || violation > good_progress * last;
+    if (is_stale && !factor_with_holds(state, work)) break;
     // Where rods fit at first, only what is held is missed.
     last = violation <= unnoticed ? INFINITY : violation;
     for (const Hold& hold : work.holds) {
@@ -94,16 +128,25 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
 
 double project_velocities(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
-  if (linkage.constraints() == 0 && !linkage.breaks()) return 0;
-  if (linkage.breaks())
-    state.factor_with_rigid_rods();
-  else
-    state.factor();
+  if (linkage.constraints() == 0 && state.laws.empty()) return 0;
+  work.acts.assign(state.laws.size(), 0);
+  take_up(state, work, [&](const Elastic& elastic, const ElasticLaw& law) {
+    return linkage.number(elastic, state.x, law.rest) >= (1 - unnoticed) * law.rest &&
+           Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, {0, linkage.particles()}) > 0;
+  });
+  work.holds.clear();
+  factor_with_holds(state, work);
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
   if (moves(std::span(state.v).subspan(linkage.movable())) || !state.lengths.changes().empty())
     state.rates(state.v, linkage.fixed_ones(), right);
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const Elastic& elastic = linkage.elastics()[i];
+    if (work.acts[i] != 0)
+      right[linkage.plan().position(elastic.row)] =
+          -Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, linkage.fixed_ones());
+  }
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   state.solve(work.unknowns);

@@ -144,6 +144,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool correct(Island& island, int correction, Progress& progress, Tally& report);
   bool correct_on_ground(Island& island);
   void find_velocities_on_ground(Island& island);
+  void balance_velocities(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
   bool try_otherwise(Tally& report);
