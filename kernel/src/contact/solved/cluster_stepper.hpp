@@ -103,6 +103,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
   bool have_sunk(double h);
+  bool has_ball_sunk();
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);

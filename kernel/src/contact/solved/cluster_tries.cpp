@@ -340,7 +340,8 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
   const bool fits = bring_to_lengths(surroundings);
-  const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
+  const bool sinks =
+      (!may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)))) || (!keeps_strain_ && has_ball_sunk());
   sinks_ = sinks_ || sinks;
   if (fits && !sinks) {
     for (LinkageState* const state : cluster) {
