@@ -311,8 +311,10 @@ double ContactSolver::read(std::span<const Slot> slots, std::span<Vec3> out) con
 
 void ContactSolver::set_force(Slot slot, Vec3 newton) {
   LinkageState& state = state_of(slot);
-  state.force[local(slot)] = newton;
-  state.energy.reset();
+  Vec3& force = state.force[local(slot)];
+  // What it may have follows, so that a force that is given again and again gives no more than its work.
+  if (state.energy) *state.energy -= dot(newton - force, state.x[local(slot)]);
+  force = newton;
   clusters_.wake(state.number);
 }
 

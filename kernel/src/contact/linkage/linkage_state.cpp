@@ -235,6 +235,16 @@ void LinkageState::add_elastic_pulls(std::span<Vec3> forces) const {
   }
 }
 
+bool LinkageState::holds_energy() const {
+  return !linkage->bends().empty() || std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) {
+    return law.force != 0 || (law.stiffness != 0 && !std::isinf(law.stiffness));
+  });
+}
+
+bool LinkageState::has_cables() const {
+  return std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) { return law.one_sided; });
+}
+
 double LinkageState::elastic_energy() const {
   double sum = 0;
   for (std::size_t i = 0; i < laws.size(); ++i) {

@@ -340,10 +340,9 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
   const bool fits = bring_to_lengths(surroundings);
-  const bool sinks =
-      (!may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)))) || (!keeps_strain_ && has_ball_sunk());
+  const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
-  if (fits && !sinks) {
+  if (fits && !sinks && (keeps_strain_ || !has_ball_sunk())) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
