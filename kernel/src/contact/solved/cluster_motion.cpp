@@ -47,22 +47,23 @@ void ClusterStepper::begin_given(Island& island, double h) {
   state.lengths.follow(now_ + h);
 }
 
-// Finds velocities along the constraints where the island is now.
-void ClusterStepper::find_velocities(Island& island) {
-  if (!island.ground.is_empty()) {
-    find_velocities_on_ground(island);
-    return;
-  }
+// Finds velocities along the constraints where the island is now. Returns whether cables let go, so that it
+// answers to pushes otherwise than before.
+bool ClusterStepper::find_velocities(Island& island) {
+  if (!island.ground.is_empty()) return find_velocities_on_ground(island);
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  do {
+  bool lets_go = false;
+  const auto solve = [&] {
     fill_velocities(island);
     state.solve(island.unknowns);
     island.take_pulls(island.end_pulls, 0, 1);
-  } while (let_go_at_end(island));
+  };
+  for (solve(); let_go_at_end(island); solve()) lets_go = true;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns, island.end_pulls);
+  return lets_go;
 }
 
 void ClusterStepper::finish(double h, bool touched) {
@@ -116,12 +117,14 @@ void ClusterStepper::bounce(double h) {
   lay_pushes();
   const double enough = still_ / h;
   for (int round = 0; round < most_rounds; ++round) {
+    bool lets_go = false;
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (island.sides.empty()) continue;
-      find_velocities(island);
+      lets_go = find_velocities(island) || lets_go;
       if (!is_wide_) see(island, island.v);
     }
+    if (lets_go) find_responses(true);
     if (is_wide_) begin_free<&Row::q>();
     double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;

@@ -144,7 +144,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double sweep(int correction, int& sweeps);
   bool correct(Island& island, int correction, Progress& progress, Tally& report);
   bool correct_on_ground(Island& island);
-  void find_velocities_on_ground(Island& island);
+  bool find_velocities_on_ground(Island& island);
   void balance_velocities(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
@@ -294,7 +294,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double sweep_freely(double enough, double share, int most, int& sweeps);
   bool solve_positions(Tally& report);
   void finish(double h, bool touched);
-  void find_velocities(Island& island);
+  bool find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
   /// `before` (J) is the energy before the substep, and what ground, anchors and rods that go have added
