@@ -176,6 +176,8 @@ void CrowdJoints<T>::sweep(Crowd<T>& crowd) {
   sweep_rows(crowd);
 }
 
+// Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
+// what they pushed before grows without bound, and has any direction.
 template <class T>
 void CrowdJoints<T>::sweep_distances(Crowd<T>& crowd) {
   for (std::size_t i = 0; i < distances_.size(); ++i) {
@@ -183,17 +185,23 @@ void CrowdJoints<T>::sweep_distances(Crowd<T>& crowd) {
     const ElasticLaw& law = *laws_[i];
     if (!(each.moves > 0) || (law.stiffness == 0 && law.damping == 0 && law.force == 0)) continue;
     const std::span<const Term> terms = terms_of(each.terms);
-    // Where its ends would be without it.
-    const Vec3 free = each.apart + crowd.moved(terms) - each.moves * each.push;
-    const double length = norm(free), excess = length - law.rest;
-    double pull = 0;
+    const Vec3 now = each.apart + crowd.moved(terms);
     if (std::isinf(law.stiffness)) {
-      pull = excess / each.moves;
-    } else {
-      const double stiff = h_ * h_ * law.stiffness + h_ * law.damping;
-      pull = (h_ * h_ * (law.stiffness * excess + law.force) + h_ * law.damping * (length - each.length)) /
-             (1 + stiff * each.moves);
+      const double length = norm(now);
+      if (!(length > 0)) continue;
+      const double wanted = each.pull + (length - law.rest) / each.moves;
+      const double pull = law.one_sided ? std::max(wanted, 0.0) : wanted;
+      crowd.push(terms, (each.pull - pull) / length * now);
+      each.pull = pull;
+      continue;
     }
+    // Where its ends would be without it.
+    const Vec3 free = now - each.moves * each.push;
+    const double length = norm(free), excess = length - law.rest;
+    const double stiff = h_ * h_ * law.stiffness + h_ * law.damping;
+    double pull =
+        (h_ * h_ * (law.stiffness * excess + law.force) + h_ * law.damping * (length - each.length)) /
+        (1 + stiff * each.moves);
     if (law.one_sided && (!(excess > 0) || pull < 0)) pull = 0;
     const Vec3 push = length > 0 ? -pull / length * free : Vec3{};
     crowd.push(terms, push - each.push);
