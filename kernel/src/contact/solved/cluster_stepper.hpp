@@ -102,6 +102,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
+  bool has_run_away(double h) const;
   bool have_sunk(double h);
   bool has_ball_sunk();
   void hold_energy(Tally& report);

@@ -339,7 +339,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   relaxed_->step(cluster, surroundings, rules, dt, tried);
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
-  const bool fits = bring_to_lengths(surroundings);
+  const bool fits = !has_run_away(dt) && bring_to_lengths(surroundings);
   const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
   if (fits && !sinks && (keeps_strain_ || !has_ball_sunk())) {
