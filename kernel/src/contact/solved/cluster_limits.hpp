@@ -41,8 +41,6 @@ inline constexpr double least_nudge = 1e-2, most_nudge = 0.4, wider = 1.3;
 /// What stands upright answers by no more than this share above what it would answer with as one. Rods then
 /// lean to this share of their sizes, which changes their lengths by less than what counts as solved.
 inline constexpr double balanced = 1e-9, faint = 1e-6;
-/// What was relaxed may lie in each other by this share of the thinner one's radius.
-inline constexpr double most_sunk = 0.25;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;

@@ -4,11 +4,9 @@
 
 #include "contact/rows.hpp"
 #include "contact/shapes/passing.hpp"
-#include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 
 namespace plumb::detail {
-using namespace contact_limits;
 
 /// Finds what went into ground or through others where it was not expected. It keeps off it when positions
 /// are sought again. Returns whether there is any.
@@ -61,28 +59,26 @@ void ClusterStepper::touch_missed_pairs(std::uint32_t i, std::uint32_t j, double
   }
 }
 
-/// Returns whether something on one particle has gone far into another island. Few sweeps do not carry what
-/// is heavy on light rods.
+/// Returns whether something on one particle has gone deeper into another island than in before_. Few sweeps
+/// do not carry what is heavy on light rods.
 bool ClusterStepper::has_ball_sunk() {
-  const auto place = [](const LinkageState& state, std::uint32_t k) {
-    const Linkage::Shape& shape = state.linkage->shapes()[k];
-    return Segment{shape.a.of(state.x), shape.b.of(state.x), shape.radius};
+  const auto place = [&](std::uint32_t i, std::uint32_t k, std::span<const Vec3> x) {
+    const Linkage::Shape& shape = islands_[i].state->linkage->shapes()[k];
+    return Segment{shape.a.of(x), shape.b.of(x), shape.radius};
   };
-  const auto lies_deep = [&](const LinkageState& one, std::uint32_t k, const LinkageState& other) {
-    const Segment ball = place(one, k);
-    const std::span<const Linkage::Shape> shapes = other.linkage->shapes();
-    for (std::uint32_t l = 0; l < shapes.size(); ++l) {
-      const double most = settings_.slop + most_sunk * std::min(ball.radius, shapes[l].radius);
-      if (touch(ball, place(other, l)).gap < -most &&
-          plumb::may_touch(one.linkage->shapes()[k].filter, shapes[l].filter) &&
-          !hang_together(one, k, other, l))
-        return true;
-    }
-    return false;
+  const auto sinks = [&](std::uint32_t i, std::uint32_t k, std::uint32_t j, std::uint32_t l) {
+    const LinkageState &one = *islands_[i].state, &other = *islands_[j].state;
+    const double gap = touch(place(i, k, one.x), place(j, l, other.x)).gap;
+    return gap < -settings_.slop - settings_.tolerance &&
+           gap < touch(place(i, k, before_[i].x), place(j, l, before_[j].x)).gap &&
+           plumb::may_touch(one.linkage->shapes()[k].filter, other.linkage->shapes()[l].filter) &&
+           !hang_together(one, k, other, l);
   };
-  const auto lies_in = [&](const LinkageState& one, const LinkageState& other) {
-    for (std::uint32_t k = 0; one.linkage->movable() == 1 && k < one.linkage->shapes().size(); ++k)
-      if (lies_deep(one, k, other)) return true;
+  const auto sinks_in = [&](std::uint32_t i, std::uint32_t j) {
+    const Linkage &one = *islands_[i].state->linkage, &other = *islands_[j].state->linkage;
+    for (std::uint32_t k = 0; one.movable() == 1 && k < one.shapes().size(); ++k)
+      for (std::uint32_t l = 0; l < other.shapes().size(); ++l)
+        if (sinks(i, k, j, l)) return true;
     return false;
   };
   island_bounds_.clear();
@@ -90,8 +86,7 @@ bool ClusterStepper::has_ball_sunk() {
     island_bounds_.push_back(bounds_of(*islands_[i].state->linkage, islands_[i].state->x, 0));
   const std::span<const NearPairs::Pair> pairs = near_islands_.find(island_bounds_);
   return std::any_of(pairs.begin(), pairs.end(), [&](const NearPairs::Pair& pair) {
-    const LinkageState &one = *islands_[pair.first].state, &other = *islands_[pair.second].state;
-    return lies_in(one, other) || lies_in(other, one);
+    return sinks_in(pair.first, pair.second) || sinks_in(pair.second, pair.first);
   });
 }
 
