@@ -70,6 +70,15 @@ struct ClusterIsland {
     for (double& each : to) each *= keep;
     state->linkage->take_multipliers(right(), by, to);
   }
+  /// Returns whether a cable that was slack where the substep starts has come taut.
+  bool comes_taut() const {
+    constexpr double least_slack = 1e-9;  // of its length
+    for (std::size_t i = 0; i < state->laws.size(); ++i)
+      if (const ElasticLaw& law = state->laws[i];
+          law.one_sided && elastics[i].acts && elastics[i].start < (1 - least_slack) * law.rest)
+        return true;
+    return false;
+  }
   std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
   Vec3 of(ClusterRows::Sum which, std::span<const Vec3> values) const {
     Vec3 out{};

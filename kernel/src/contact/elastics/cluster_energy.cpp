@@ -44,7 +44,7 @@ double ClusterStepper::work_of_common(double h) {
 /// that hold none are not measured.
 ClusterStepper::Energies ClusterStepper::energies_of_elastics() const {
   if (std::none_of(islands_.begin(), islands_.begin() + count_,
-                   [](const Island& each) { return each.state->holds_energy(); }))
+                   [](const Island& each) { return each.state->trades_energy(); }))
     return {};
   const double elastic = elastic_energy();
   return {elastic, elastic + kinetic()};
@@ -92,7 +92,7 @@ bool ClusterStepper::is_passive() const {
     if (state.linkage->has_air() || state.lengths.move() ||
         std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; }))
       return false;
-    any = any || state.holds_energy();
+    any = any || state.trades_energy();
   }
   return any;
 }
@@ -133,7 +133,7 @@ void ClusterStepper::slow_down(double excess, double kinetic) {
 bool ClusterStepper::guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report) {
   const bool is_kept = is_passive(), is_alone = is_kept && count_ == 1 && !touched;
   for (std::uint32_t i = 0; i < count_ && !is_alone; ++i)
-    if (islands_[i].state->holds_energy()) islands_[i].state->energy.reset();
+    if (islands_[i].state->trades_energy()) islands_[i].state->energy.reset();
   if (!is_kept) return true;
   const auto [kinetic, potential] = kinetic_and_potential();
   const double elastic = elastic_energy(), moving = kinetic + elastic, now = moving + potential;

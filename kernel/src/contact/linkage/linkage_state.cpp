@@ -235,14 +235,10 @@ void LinkageState::add_elastic_pulls(std::span<Vec3> forces) const {
   }
 }
 
-bool LinkageState::holds_energy() const {
+bool LinkageState::trades_energy() const {
   return !linkage->bends().empty() || std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) {
-    return law.force != 0 || (law.stiffness != 0 && !std::isinf(law.stiffness));
+    return law.force != 0 || law.damping != 0 || (law.stiffness != 0 && !std::isinf(law.stiffness));
   });
-}
-
-bool LinkageState::has_cables() const {
-  return std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) { return law.one_sided; });
 }
 
 double LinkageState::elastic_energy() const {
