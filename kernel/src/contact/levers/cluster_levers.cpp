@@ -136,7 +136,11 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });
-  if (may_stand && island.ground.size() > (sweeps_ground_ ? most_swept_ground : few_on_ground)) return;
+  // Where cables go slack and come taut, pushes are found more surely one after the other.
+  const std::span<const ElasticLaw> laws = island.state->laws;
+  const bool sweeps = sweeps_ground_ || std::any_of(laws.begin(), laws.end(),
+                                                    [](const ElasticLaw& law) { return law.one_sided; });
+  if (may_stand && island.ground.size() > (sweeps ? most_swept_ground : few_on_ground)) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const double radius = linkage.shape_of(contact.shape).radius;
     const ContactEnd end{i, &contact.at, contact.shape, -radius * contact.normal};

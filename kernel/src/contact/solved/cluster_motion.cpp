@@ -116,6 +116,7 @@ void ClusterStepper::bounce(double h) {
   }
   lay_pushes();
   const double enough = still_ / h;
+  double last = INFINITY;
   for (int round = 0; round < most_rounds; ++round) {
     bool lets_go = false;
     for (std::uint32_t i = 0; i < count_; ++i) {
@@ -124,10 +125,12 @@ void ClusterStepper::bounce(double h) {
       lets_go = find_velocities(island) || lets_go;
       if (!is_wide_) see(island, island.v);
     }
-    if (lets_go) find_responses(true);
     if (is_wide_) begin_free<&Row::q>();
-    double left = sweep_velocities<Sweep::looks>();
+    const double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;
+    // Rounds lead away if islands answer too differently without the cables that let go.
+    if (lets_go && left > last) find_responses(true);
+    last = left;
     const bool is_last = round + 1 == most_rounds;
     if (is_wide_) {
       int sweeps = 0;

@@ -53,7 +53,7 @@ bool is_strained(std::span<LinkageState* const> cluster) {
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = sweeps_ground_ = takes_end_ = sinks_ = keeps_strain_ = false;
+  loose_ = sweeps_ground_ = takes_end_ = sinks_ = keeps_strain_ = in_crowd_ = false;
   kept_of_overlaps_ = 1;
   bool was_loose = false;
   const bool is_lone = is_line(cluster);
@@ -61,9 +61,9 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   while (!substep(surroundings, h, report)) {
     if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
     if (found_crowd_) {
-      may_sink_ = true;
+      may_sink_ = in_crowd_ = true;
       if (relax(cluster, surroundings, 1, h, report)) return h;
-      looks_for_crowd_ = false;
+      looks_for_crowd_ = in_crowd_ = false;
       continue;
     }
     if (std::exchange(tries_again_, false)) continue;
@@ -227,7 +227,7 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   const bool relaxes = keeps_strain_ || (relaxes_crowds_ && is_crowd(cluster));
   looks_for_crowd_ = relaxes_crowds_ && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
-  may_sink_ = true;
+  may_sink_ = in_crowd_ = true;
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
@@ -327,7 +327,9 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
                            std::uint32_t substeps, double dt, Tally& report) {
   const auto can_relax = [&](const LinkageState* state) {
     const Linkage& linkage = *state->linkage;
-    return (keeps_strain_ ? linkage.can_relax() : linkage.relaxes_well()) &&
+    return (keeps_strain_   ? linkage.can_relax()
+            : in_crowd_ ? linkage.relaxes_in_crowd()
+                        : linkage.relaxes_well()) &&
            throw_of(*state, dt) <= farthest_throw * linkage.size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
