@@ -190,6 +190,23 @@ bool ClusterStepper::guard_driven(double before, const Surroundings& surrounding
   return now <= most;
 }
 
+/// Takes back what a relaxed step has gained above the energy of before_: to bring rods to their lengths
+/// turns strain into motion.
+void ClusterStepper::hold_energy(Tally& report) {
+  double before = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    before += state.linkage->kinetic(before_[i].v) + state.linkage->potential(before_[i].x, state.force);
+    island.v = state.v;
+    island.theta = 0;
+  }
+  guard_energy(before, 0, true, false, report);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
+}
+
 /// Returns whether a substep may stand, as it is or with less motion. `before` (J) has what was given since
 /// it started, and `held` what elastics held then.
 bool ClusterStepper::guard(double before, const Energies& held, bool touched, bool can_shorten,

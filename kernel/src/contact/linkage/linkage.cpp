@@ -84,13 +84,10 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
   if (use == Use::relaxed || flat_rods() == 0) color_rods();
+  const auto any_rod = [&](auto&& is) { return std::any_of(part.rods.begin(), part.rods.end(), is); };
   const bool is_simple = part.bodies.empty() && airs_.empty();
-  relaxes_ = is_simple && std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) {
-    return !rod.law.is_elastic() && !rod.law.one_sided;
-  });
-  crowds_ = is_simple && (movable_ == 1 || std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) {
-    return !rod.law.is_elastic();
-  }));
+  relaxes_ = is_simple && any_rod([](const Rod& rod) { return !rod.law.is_elastic() && !rod.law.one_sided; });
+  crowds_ = is_simple && (movable_ == 1 || any_rod([](const Rod& rod) { return !rod.law.is_elastic(); }));
   if (use == Use::relaxed) return;
   plan(isa);
   hold_constraints(x);

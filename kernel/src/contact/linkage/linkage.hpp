@@ -101,11 +101,10 @@ class Linkage {
   std::uint32_t movable() const { return movable_; }
   /// Returns the mass of a movable particle with its share of rods and bodies, kg.
   double mass_of(std::uint32_t particle) const { return weights_[particle]; }
-  /// Returns whether relaxation can move it, and does so well: it has particles, rods and joints alone. In a
-  /// crowd it does so, too, with what is one particle, or has rods that are rigid until they break or hang slack.
+  /// Returns whether relaxation can move it, and does so well: it has particles, rods and joints alone.
+  /// Cables and single particles it moves well in a crowd.
   bool can_relax() const { return colored_.colors() > 0 || rods_.empty(); }
-  bool relaxes_well() const { return relaxes_; }
-  bool relaxes_in_crowd() const { return crowds_; }
+  bool relaxes_well(bool in_crowd) const { return in_crowd ? crowds_ : relaxes_; }
   const ColoredRods& colored() const { return colored_; }
   /// Calls visit(apart) for every ball joint, with the sum that is to be nothing.
   template <class Visit>
@@ -394,7 +393,8 @@ class Linkage {
   Vec3 gravity_{};
   std::size_t first_grab_ = 0, targets_ = 0;
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0, softness_ = 0;
-  bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false, relaxes_ = false, crowds_ = false;
+  bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
+  bool relaxes_ = false, crowds_ = false;
 };
 
 }  // namespace plumb::detail

@@ -199,8 +199,8 @@ struct LinkageState : LinkageMotion {
   void add_motors(std::span<Vec3> forces) const;
   /// Returns what elastics hold at x, J, with the constant pulls that are added.
   double elastic_energy() const;
-  /// Returns whether elastics hold or take energy: springs, dampers and bends do, and rods that are rigid until
-  /// they break or hang slack do not.
+  /// Returns whether elastics hold or take energy: springs, dampers and bends do, and rods that are rigid
+  /// until they break or hang slack do not.
   bool trades_energy() const;
   /// Returns what an elastic pulls with at x and v by its stiffness and damping, in N or N m.
   double elastic_pull(std::size_t i) const;

@@ -20,7 +20,7 @@ struct Hold {
 struct ProjectionWork {
   Array<Vec3> before, momentum;
   Array<simd::Quad> unknowns;
-  Array<Hold> holds;  ///< by which positions are pushed out of ground
+  Array<Hold> holds;           ///< by which positions are pushed out of ground
   Array<std::uint8_t> acts{};  ///< by elastic, whether it is a rigid rod that holds, as cables do when taut
   bool is_new = false;         ///< Some act that did not before.
 };

@@ -8,6 +8,32 @@
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Adds how elastics pull along Island::along instead of where the factors have them.
+void add_turned_elastics(ClusterIsland& island) {
+  const Linkage& linkage = *island.state->linkage;
+  for (std::size_t i = 0; i < island.elastics.size(); ++i) {
+    const Elastic& elastic = linkage.elastics()[i];
+    const double push = island.elastics[i].p;
+    if (push == 0) continue;
+    linkage.push_along(elastic, linkage.slope(elastic, island.along), push, island.lag);
+    linkage.push_along(elastic, linkage.slope(elastic, island.at), -push, island.lag);
+  }
+}
+
+/// Adds how air resists the mean velocity of the substep there, instead of that of its start.
+void add_turned_air(ClusterIsland& island) {
+  const Linkage& linkage = *island.state->linkage;
+  island.step.resize(island.d.size());
+  for (std::size_t k = 0; k < island.d.size(); ++k) island.step[k] = (1 / island.h) * island.d[k];
+  island.impulse.resize(linkage.movable());
+  linkage.forces(island.along, island.step, island.state->force, island.impulse);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    island.lag[k] += island.kick * (island.impulse[k] - island.force[k]);
+}
+
+}  // namespace
 
 /// Returns where an island takes its directions. In the middle it can do so in flight alone, since what
 /// touches needs velocities that end along constraints. Elastics have a rule of their own.
@@ -68,29 +94,6 @@ double ClusterStepper::add_lag(Island& island) {
   linkage.put(island.lag, island.right());
   const double most = linkage.largest_move(island.lag) / linkage.size();
   return std::isfinite(most) ? most : INFINITY;
-}
-
-/// Adds how elastics pull along Island::along instead of where the factors have them.
-void ClusterStepper::add_turned_elastics(Island& island) {
-  const Linkage& linkage = *island.state->linkage;
-  for (std::size_t i = 0; i < island.elastics.size(); ++i) {
-    const Elastic& elastic = linkage.elastics()[i];
-    const double push = island.elastics[i].p;
-    if (push == 0) continue;
-    linkage.push_along(elastic, linkage.slope(elastic, island.along), push, island.lag);
-    linkage.push_along(elastic, linkage.slope(elastic, island.at), -push, island.lag);
-  }
-}
-
-/// Adds how air resists the mean velocity of the substep there, instead of that of its start.
-void ClusterStepper::add_turned_air(Island& island) {
-  const Linkage& linkage = *island.state->linkage;
-  island.step.resize(island.d.size());
-  for (std::size_t k = 0; k < island.d.size(); ++k) island.step[k] = (1 / island.h) * island.d[k];
-  island.impulse.resize(linkage.movable());
-  linkage.forces(island.along, island.step, island.state->force, island.impulse);
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
-    island.lag[k] += island.kick * (island.impulse[k] - island.force[k]);
 }
 
 /// Takes note that this share of a correction was taken.

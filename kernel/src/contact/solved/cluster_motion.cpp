@@ -330,23 +330,6 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   return true;
 }
 
-/// Takes back what a relaxed step has gained above the energy of before_: to bring rods to their lengths
-/// turns strain into motion.
-void ClusterStepper::hold_energy(Tally& report) {
-  double before = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (!island.awake) continue;
-    const LinkageState& state = *island.state;
-    before += state.linkage->kinetic(before_[i].v) + state.linkage->potential(before_[i].x, state.force);
-    island.v = state.v;
-    island.theta = 0;
-  }
-  guard_energy(before, 0, true, false, report);
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
-}
-
 void ClusterStepper::keep_contacts(double h) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->kept.clear();
   for (std::size_t r = 0; r < rows_.size(); ++r) {

@@ -102,7 +102,6 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
-  bool has_run_away(double h) const;
   bool have_sunk(double h);
   bool has_ball_sunk();
   void hold_energy(Tally& report);
@@ -128,8 +127,6 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool leaves_middle();
   bool turns() const;
   static void turn(Island& island);
-  static void add_turned_elastics(Island& island);
-  static void add_turned_air(Island& island);
   static double add_lag(Island& island);
   static void take_lag(Island& island, double share);
   static bool end_turned(Island& island, double h, bool touched);
@@ -369,15 +366,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool keeps_strain_ = false;     ///< rods that do not fit may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
-  bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to
-  bool looks_for_crowd_ = false;               ///< what presses in many places is relaxed instead
-  bool found_crowd_ = false;                   ///< and does
-  bool in_crowd_ = false;                      ///< what is relaxed is one
-  bool is_fitted_ = false;                     ///< rods were brought to their lengths in this step
-  bool has_looked_ahead_ = false;              ///< it is known where anchors leave rods in this step
-  bool is_buckled_ = false, buckles_ = false;  ///< rods were nudged aside in this step, or are to be
-  bool has_momentum_ = false;                  ///< sweeps go on the way they went
-  double kept_of_overlaps_ = 1;                ///< the share of their pushes that sweeps keep
+  bool may_touch_ = false;                       ///< something pushes in this substep, or is near enough to
+  bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false, in_crowd_ = false;  ///< and does; it is relaxed as such
+  bool is_fitted_ = false;                       ///< rods were brought to their lengths in this step
+  bool has_looked_ahead_ = false;                ///< it is known where anchors leave rods in this step
+  bool is_buckled_ = false, buckles_ = false;    ///< rods were nudged aside in this step, or are to be
+  bool has_momentum_ = false;                    ///< sweeps go on the way they went
+  double kept_of_overlaps_ = 1;                  ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes

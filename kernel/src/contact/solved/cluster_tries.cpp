@@ -43,6 +43,20 @@ bool is_strained(std::span<LinkageState* const> cluster) {
                      [](const LinkageState* state) { return state->is_strained; });
 }
 
+/// Returns whether relaxation for h (s) brought something farther from where it was than it goes, or the
+/// island is wide. Sweeps over what anchors pull apart, or into ground, need not end anywhere.
+bool has_run_away(const LinkageState& state, const LinkageMotion& before, double h) {
+  double fastest = state.lengths.speed();
+  for (const std::span<const Vec3> velocities : {std::span(state.v), std::span(before.v)})
+    for (const Vec3 v : velocities) fastest = std::max(fastest, norm(v));
+  Bounds wide = nowhere;
+  for (const Vec3 x : before.x) include(wide, x, state.linkage->size());
+  const double most = norm(wide.high - wide.low) + 2 * h * (fastest + h * norm(state.linkage->gravity()));
+  for (std::size_t k = 0; k < state.x.size(); ++k)
+    if (!(norm(state.x[k] - before.x[k]) <= most)) return true;
+  return false;
+}
+
 }  // namespace
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
@@ -327,9 +341,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
                            std::uint32_t substeps, double dt, Tally& report) {
   const auto can_relax = [&](const LinkageState* state) {
     const Linkage& linkage = *state->linkage;
-    return (keeps_strain_   ? linkage.can_relax()
-            : in_crowd_ ? linkage.relaxes_in_crowd()
-                        : linkage.relaxes_well()) &&
+    return (keeps_strain_ ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
            throw_of(*state, dt) <= farthest_throw * linkage.size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
@@ -341,7 +353,9 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   relaxed_->step(cluster, surroundings, rules, dt, tried);
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
-  const bool fits = !has_run_away(dt) && bring_to_lengths(surroundings);
+  bool fits = true;
+  for (std::size_t i = 0; i < cluster.size(); ++i) fits = fits && !has_run_away(*cluster[i], before_[i], dt);
+  fits = fits && bring_to_lengths(surroundings);
   const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
   if (fits && !sinks && (keeps_strain_ || !has_ball_sunk())) {

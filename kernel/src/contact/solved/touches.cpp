@@ -238,23 +238,6 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   return is_deeper;
 }
 
-/// Returns whether relaxation for h (s) brought something farther from before_ than it goes, or an island is
-/// wide. Sweeps over what anchors pull apart, or into ground, need not end anywhere.
-bool ClusterStepper::has_run_away(double h) const {
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const LinkageState& state = *islands_[i].state;
-    Bounds wide = nowhere;
-    double fastest = state.lengths.speed();
-    for (const auto& velocities : {std::span(state.v), std::span(before_[i].v)})
-      for (const Vec3 v : velocities) fastest = std::max(fastest, norm(v));
-    for (const Vec3 x : before_[i].x) include(wide, x, state.linkage->size());
-    const double most = norm(wide.high - wide.low) + 2 * h * (fastest + h * norm(state.linkage->gravity()));
-    for (std::size_t k = 0; k < state.x.size(); ++k)
-      if (!(norm(state.x[k] - before_[i].x[k]) <= most)) return true;
-  }
-  return false;
-}
-
 /// Returns whether what was relaxed for h (s) lies deeper in ground than in before_.
 bool ClusterStepper::have_sunk(double h) {
   const auto deepest = [&] {
