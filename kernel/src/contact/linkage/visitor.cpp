@@ -153,6 +153,11 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   work.before = state.v;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(state.v, work.unknowns);
+  // Where rods lie on each other the matrix may have no factors.
+  if (!std::all_of(state.v.begin(), state.v.end(), [](Vec3 v) { return is_finite(v); })) {
+    state.v = work.before;
+    return 0;
+  }
   double largest = 0;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
     const Vec3 given = work.before[k];

@@ -78,7 +78,8 @@ inline constexpr double most_left = 1e-2;
 /// it lets them be: Newton's method without velocities.
 /// Where that does not converge nothing moves, and the largest violation is returned; else 0.
 double project_positions(LinkageState& state, ProjectionWork& work);
-/// Takes from the velocities what constraints forbid. Returns the largest change, m/s.
+/// Takes from the velocities what constraints forbid. Returns the largest change, m/s, or 0 where that cannot
+/// be found and nothing changes.
 double project_velocities(LinkageState& state, ProjectionWork& work);
 
 }  // namespace plumb::detail

@@ -295,6 +295,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
     if (state.trades_energy() || (driven && (touched || island.theta != 0 || state.linkage->has_air())))
       is_open = true;
   }
+  if (!std::isfinite(now) && can_shorten) return false;
   for (std::uint32_t i = 0; i < count_; ++i)
     if ((!free || driven) && !islands_[i].state->trades_energy()) islands_[i].state->energy.reset();
   if (is_open || moving == 0) return true;

@@ -48,7 +48,10 @@ bool is_strained(std::span<LinkageState* const> cluster) {
 bool has_run_away(const LinkageState& state, const LinkageMotion& before, double h) {
   double fastest = state.lengths.speed();
   for (const std::span<const Vec3> velocities : {std::span(state.v), std::span(before.v)})
-    for (const Vec3 v : velocities) fastest = std::max(fastest, norm(v));
+    for (const Vec3 v : velocities) {
+      if (!is_finite(v)) return true;
+      fastest = std::max(fastest, norm(v));
+    }
   Bounds wide = nowhere;
   for (const Vec3 x : before.x) include(wide, x, state.linkage->size());
   const double most = norm(wide.high - wide.low) + 2 * h * (fastest + h * norm(state.linkage->gravity()));
