@@ -368,7 +368,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                       ///< something pushes in this substep, or is near enough to
   bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead
-  bool found_crowd_ = false, in_crowd_ = false;  ///< and does; it is relaxed as such
+  bool found_crowd_ = false, in_crowd_ = false;  ///< and does; what gives is relaxed in it
   bool is_fitted_ = false;                       ///< rods were brought to their lengths in this step
   bool has_looked_ahead_ = false;                ///< it is known where anchors leave rods in this step
   bool is_buckled_ = false, buckles_ = false;    ///< rods were nudged aside in this step, or are to be

@@ -43,6 +43,13 @@ bool is_strained(std::span<LinkageState* const> cluster) {
                      [](const LinkageState* state) { return state->is_strained; });
 }
 
+/// Returns whether some rods break, hang slack or give. Solved with what they touch, they take far longer
+/// than rigid ones.
+bool gives(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return !state->laws.empty(); });
+}
+
 /// Returns whether relaxation for h (s) brought something farther from where it was than it goes, or the
 /// island is wide. Sweeps over what anchors pull apart, or into ground, need not end anywhere.
 bool has_run_away(const LinkageState& state, const LinkageMotion& before, double h) {
@@ -78,7 +85,8 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   while (!substep(surroundings, h, report)) {
     if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
     if (found_crowd_) {
-      may_sink_ = in_crowd_ = true;
+      may_sink_ = true;
+      in_crowd_ = gives(cluster);
       if (relax(cluster, surroundings, 1, h, report)) return h;
       looks_for_crowd_ = in_crowd_ = false;
       continue;
@@ -244,7 +252,8 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   const bool relaxes = keeps_strain_ || (relaxes_crowds_ && is_crowd(cluster));
   looks_for_crowd_ = relaxes_crowds_ && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
-  may_sink_ = in_crowd_ = true;
+  may_sink_ = true;
+  in_crowd_ = gives(cluster);
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
