@@ -70,7 +70,7 @@ struct ClusterIsland {
     for (double& each : to) each *= keep;
     state->linkage->take_multipliers(right(), by, to);
   }
-  /// Returns whether a cable that was slack where the substep starts has come taut.
+  /// Returns whether a cable that was slack where a substep that was solved starts has come taut.
   bool comes_taut() const {
     constexpr double least_slack = 1e-9;  // of its length
     for (std::size_t i = 0; i < state->laws.size(); ++i)

@@ -276,7 +276,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
                                   Tally& report) {
   if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0, blow = 0;  // J; weight: what it takes to lift all by its height
-  bool free = count_ == 1 && !touched, driven = false, is_open = false, comes_taut = false;
+  bool free = count_ == 1 && !touched, driven = false, is_open = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
     if (!island.awake) continue;
@@ -291,7 +291,6 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
     driven = driven || state.is_driven();
     if (state.is_driven()) blow += state.most_of_blow();
     // Work of what is given is not known well enough beside elastics, and where gradients are not old.
-    comes_taut = comes_taut || island.comes_taut();
     if (state.trades_energy() || (driven && (touched || island.theta != 0 || state.linkage->has_air())))
       is_open = true;
   }
@@ -304,9 +303,12 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   const double wanted = free && !driven ? *first.energy : before;
   double excess = now - wanted;
   if (excess < 0) excess = std::min(0.0, excess + blow);
+  if (excess <= 0 && !free) return true;
   // What a cable that comes taut takes is not given back.
-  if (excess <= 0 && comes_taut) first.energy.reset();
-  if (excess <= 0 && (!free || comes_taut)) return true;
+  if (excess <= 0 && islands_[0].comes_taut()) {
+    first.energy.reset();
+    return true;
+  }
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
   // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken

@@ -62,6 +62,9 @@ void ClusterStepper::touch_missed_pairs(std::uint32_t i, std::uint32_t j, double
 /// Returns whether something on one particle has gone deeper into another island than in before_. Few sweeps
 /// do not carry what is heavy on light rods.
 bool ClusterStepper::has_ball_sunk() {
+  if (std::none_of(islands_.begin(), islands_.begin() + count_,
+                   [](const Island& each) { return each.state->linkage->movable() == 1; }))
+    return false;
   const auto place = [&](std::uint32_t i, std::uint32_t k, std::span<const Vec3> x) {
     const Linkage::Shape& shape = islands_[i].state->linkage->shapes()[k];
     return Segment{shape.a.of(x), shape.b.of(x), shape.radius};
