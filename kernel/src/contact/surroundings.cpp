@@ -42,6 +42,7 @@ Surroundings::Surroundings(const Scene& scene)
     boxes.push_back({box.center, box.half_size, frame, bounds_of(box.center, box.half_size, frame),
                      box.surface, box.filter, box.motion});
     if (!box.motion.platform) shapes.emplace_back(box, static_cast<std::uint32_t>(boxes.size() - 1));
+    if (box.motion.platform && cube.is_empty()) cube = unit_cube();
   }
   standing_boxes_ = static_cast<std::uint32_t>(shapes.size());
   for (const GroundCapsule& each : scene.ground_capsules) shapes.emplace_back(each);

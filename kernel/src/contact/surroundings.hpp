@@ -74,6 +74,7 @@ struct Surroundings {
   Array<Solid> boxes;
   Array<GroundShape> shapes;  ///< boxes without platforms, and all else that stands still
   BoundsTree tree;            ///< around their bounds
+  ConvexHull cube;            ///< of half sizes 1, which boxes on platforms are made of; empty without any
   Platforms platforms;
   Anchored anchored;
   GroundNumbers numbers;
@@ -110,7 +111,8 @@ bool may_touch(std::span<const Filter> filters, const Filter& other);
 /// Lists how ground moves.
 template <class Archive>
 void visit_members(Archive& archive, Surroundings& of) {
-  auto& [planes, boxes, shapes, tree, platforms, anchored, numbers, standing_boxes, may_move, moves, dt] = of;
+  auto& [planes, boxes, shapes, tree, cube, platforms, anchored, numbers, standing_boxes, may_move, moves,
+         dt] = of;
   archive(platforms, anchored, moves, dt);
 }
 

@@ -26,13 +26,16 @@ GroundMesh mesh_of(const HeightField& field) {
   return out;
 }
 
+ConvexHull unit_cube() {
+  return ConvexHull(box_on_body(0, {.half_size = {1, 1, 1}}).points);
+}
+
 namespace {
 
 /// A box may be thinner than the hull of any points.
 ConvexHull hull_of(const Box& box) {
-  const std::vector<Vec3> cube = box_on_body(0, {.half_size = {1, 1, 1}}).points;
   const std::vector<Vec3> points = box_on_body(0, box).points;
-  const ConvexHull hull(cube);
+  const ConvexHull hull = unit_cube();
   Array<Vec3> corners;
   for (const std::uint32_t number : hull.numbers()) corners.push_back(points[number]);
   return hull.moved_to(corners);

@@ -105,6 +105,9 @@ class GroundShape {
   std::uint32_t box_ = none;
 };
 
+/// Returns the cube of half sizes 1 about the origin.
+ConvexHull unit_cube();
+
 /// All below a landscape is solid, as deep as this (m).
 inline constexpr double depth_of_fields = 1e6;
 

@@ -120,4 +120,14 @@ void for_pair_touches(const PlacedShape& a, const PlacedShape& b, double reach, 
         a.at(each.on_a), b.at(each.on_b), Touch{each.gap, each.normal});
 }
 
+/// Calls add(key, at, touch) where a hull is to be kept off ground that moves, which is solid there and has
+/// the number `ground` among those of its kind.
+template <class Add>
+void for_touches_with_moving(const PlacedShape& hull, const Convex& solid, double reach, KeyKind kind,
+                             std::uint32_t ground, Add&& add) {
+  for (const ConvexContact& each : contacts_of(hull.convex(), solid, reach))
+    add(contact_key(kind, hull.number, each.key + 1, ground), hull.at(each.on_a),
+        Touch{each.gap, each.normal});
+}
+
 }  // namespace plumb::detail

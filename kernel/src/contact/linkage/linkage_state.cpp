@@ -330,14 +330,19 @@ double mean_speed(const LinkageState& state) {
 
 namespace {
 
-/// Returns whether is_it(number) of a fixed particle that holds a capsule, by its number in the scene.
+/// Returns whether is_it(number) of a fixed particle that holds a capsule or a hull, by its number in the
+/// scene.
 template <class IsIt>
-bool any_anchor(const LinkageState& of, std::uint32_t capsule, IsIt&& is_it) {
-  const Linkage::Shape& shape = of.linkage->shapes()[capsule];
-  for (const ShapePlace* const place : {&shape.a, &shape.b})
+bool any_anchor(const LinkageState& of, std::uint32_t number, IsIt&& is_it) {
+  const auto is_one = [&](std::uint32_t k) { return k >= of.linkage->movable() && is_it(of.particles[k]); };
+  const std::span<const Linkage::Shape> capsules = of.linkage->shapes();
+  if (number >= capsules.size()) {
+    const Linkage::HullShape& hull = of.linkage->hulls()[number - capsules.size()];
+    return std::any_of(hull.particles.begin(), hull.particles.end(), is_one);
+  }
+  for (const ShapePlace* const place : {&capsules[number].a, &capsules[number].b})
     for (std::uint32_t i = 0; i < place->count; ++i)
-      if (const std::uint32_t k = place->terms[i].particle; k >= of.linkage->movable())
-        if (is_it(of.particles[k])) return true;
+      if (is_one(place->terms[i].particle)) return true;
   return false;
 }
 
@@ -351,8 +356,8 @@ bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage
   });
 }
 
-bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage::Shape& anchored) {
-  return one.linkage->is_grounded() && any_anchor(one, capsule, [&](std::uint32_t anchor) {
+bool hang_together(const LinkageState& one, std::uint32_t shape, const Linkage::Shape& anchored) {
+  return one.linkage->is_grounded() && any_anchor(one, shape, [&](std::uint32_t anchor) {
            const auto has = [&](const ShapePlace& place) {
              return std::any_of(place.terms.begin(), place.terms.begin() + place.count,
                                 [&](const auto& term) { return term.particle == anchor; });

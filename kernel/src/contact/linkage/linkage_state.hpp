@@ -250,8 +250,9 @@ struct LinkageState : LinkageMotion {
 /// neighbours on a rope do, and do not touch either.
 bool hang_together(const LinkageState& one, std::uint32_t capsule, const LinkageState& other,
                    std::uint32_t other_capsule);
-/// Returns that of a capsule and one between fixed particles, with the scene's numbers of these.
-bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage::Shape& anchored);
+/// Returns that of a capsule, or a hull, and a capsule between fixed particles, with the scene's numbers of
+/// these.
+bool hang_together(const LinkageState& one, std::uint32_t shape, const Linkage::Shape& anchored);
 /// Returns how far constant forces throw an island in dt (s), m.
 double throw_of(const LinkageState& state, double dt);
 /// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable

@@ -28,12 +28,28 @@ void GroundNow::find(const Surroundings& surroundings, double time) {
   pose(boxes_, moved_boxes_, box_rates_);
   planes_ = moved_planes_;
   boxes_ = moved_boxes_;
+  cube_ = &surroundings.cube;
+  find_corners();
   surroundings.anchored.find_positions(time, anchors_);
   segments_.resize(shapes_.size());
   segment_rates_.resize(shapes_.size());
+  ends_.clear();
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     segments_[i] = surroundings.anchored.segment(i, anchors_);
     segment_rates_[i] = surroundings.anchored.rate(i, anchors_);
+    ends_.insert(ends_.end(), {segments_[i].p, segments_[i].q});
+  }
+}
+
+void GroundNow::find_corners() {
+  corners_.clear();
+  normals_.clear();
+  if (cube_->is_empty()) return;
+  for (const Surroundings::Solid& box : boxes_) {
+    for (const Vec3 v : cube_->vertices())
+      corners_.push_back(box.center +
+                         box.frame.to_space({v.x * box.half.x, v.y * box.half.y, v.z * box.half.z}));
+    for (const Vec3 n : cube_->shape(0).normals) normals_.push_back(box.frame.to_space(n));
   }
 }
 

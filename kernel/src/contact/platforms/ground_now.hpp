@@ -19,6 +19,16 @@ class GroundNow {
   /// Returns the middles of shapes on anchors.
   std::span<const Segment> segments() const { return segments_; }
   std::span<const Linkage::Shape> shapes() const { return shapes_; }
+  /// Returns a box on a platform, or a shape on anchors, as a solid. It stands until find() is called.
+  Convex solid_of_box(std::size_t i) const {
+    const std::size_t corners = cube_->vertices().size(), faces = cube_->parts().faces();
+    return {std::span(corners_).subspan(i * corners, corners), std::span(normals_).subspan(i * faces, faces),
+            &cube_->parts()};
+  }
+  Convex solid_of_segment(std::size_t i) const {
+    const std::span<const Vec3> line = std::span(ends_).subspan(2 * i, 2);
+    return {.vertices = line.first(line[0] == line[1] ? 1 : 2), .normals = {}, .radius = segments_[i].radius};
+  }
   /// These return null for what stands still.
   const GroundRate* rate_of_plane(std::size_t i) const { return moving(plane_rates_, i); }
   const GroundRate* rate_of_box(std::size_t i) const { return moving(box_rates_, i); }
@@ -30,6 +40,7 @@ class GroundNow {
   }
   template <class Ground>
   void pose(std::span<const Ground> ground, Array<Ground>& there, Array<GroundRate>& rates) const;
+  void find_corners();
 
   std::span<const Plane> planes_;
   std::span<const Surroundings::Solid> boxes_;
@@ -39,7 +50,10 @@ class GroundNow {
   Array<Plane> moved_planes_;
   Array<Surroundings::Solid> moved_boxes_;
   Array<Segment> segments_;
-  Array<Vec3> anchors_;  ///< m, by particle
+  Array<Vec3> anchors_;            ///< m, by particle
+  Array<Vec3> corners_, normals_;  ///< of all boxes, if some are on platforms
+  Array<Vec3> ends_;               ///< m, of the middles of shapes on anchors
+  const ConvexHull* cube_ = nullptr;
   Array<GroundRate> plane_rates_, box_rates_, segment_rates_;
 };
 

@@ -293,6 +293,8 @@ class CrowdContacts {
   void add_turning(const Substep& in, const std::array<Side, 2>& sides, const Contact& contact, Rare& rare);
   void start_from_kept(const Substep& in, Contact& contact);
   void touch_planes(const Substep& in, std::span<const Pair> pairs);
+  void touch_moving(const Substep& in, std::uint32_t hull, const Convex& solid, const Side& other,
+                    KeyKind kind, std::uint32_t ground);
   void touch_boxes(const Substep& in, std::span<const Pair> pairs);
   void touch_segments(const Substep& in, std::span<const Pair> pairs);
   void touch_lines_and_ground(const Substep& in, std::span<const Pair> pairs);

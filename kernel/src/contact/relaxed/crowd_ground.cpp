@@ -19,21 +19,38 @@ bool passes_by(const MovingSegment& moving, const GroundShape& ground) {
 }  // namespace
 
 template <class T>
+void CrowdContacts<T>::touch_moving(const Substep& in, std::uint32_t hull, const Convex& solid,
+                                    const Side& other, KeyKind kind, std::uint32_t ground) {
+  const PlacedShape each{placed_hulls_, hull};
+  const std::uint32_t island = near_.hulls()[hull].island;
+  const double moves = hull_motion(in.crowd, hull).moves() + in.h * fastest(other.rate, each.bounds(0), in.h);
+  for_touches_with_moving(each, solid, settings_.margin + moves, kind, ground,
+                          [&](std::uint64_t key, const Combination& place, const Touch& touch) {
+                            const Middle<T> at(in.crowd, *in.cluster[island]->linkage, island, place);
+                            add(in, {island, each.number, at.terms(), each.surface}, other, touch, key);
+                          });
+}
+
+template <class T>
 void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Pair> pairs) {
   for (const Pair& pair : pairs) {
-    const Body& each = near_.bodies()[pair.one];
     const Surroundings::Solid& box = in.ground.boxes()[pair.other];
+    const Side other{.shape = in.surroundings.numbers.of_box(pair.other),
+                     .surface = &box.surface,
+                     .rate = in.ground.rate_of_box(pair.other)};
+    if (const auto hull = near_.hull(pair.one)) {
+      touch_moving(in, *hull, in.ground.solid_of_box(pair.other), other, KeyKind::box, pair.other);
+      continue;
+    }
+    const Body& each = near_.bodies()[pair.one];
     const Vec3 off = in.crowd.origin() - box.center;
     const Vec3 p = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.a)));
     const Vec3 q = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.b)));
     for_touches_with_box(p, q, each.shape->radius, box,
                          [&](std::uint64_t which, double t, const Touch& touch) {
                            const Middle<T> at = middle_of(in, each, t);
-                           add(in, side_of(each, at),
-                               {.shape = in.surroundings.numbers.of_box(pair.other),
-                                .surface = &box.surface,
-                                .rate = in.ground.rate_of_box(pair.other)},
-                               touch, contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
+                           add(in, side_of(each, at), other, touch,
+                               contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
                          });
   }
 }
@@ -41,18 +58,25 @@ void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Pair> pair
 template <class T>
 void CrowdContacts<T>::touch_segments(const Substep& in, std::span<const Pair> pairs) {
   for (const Pair& pair : pairs) {
+    const Linkage::Shape& anchored = in.ground.shapes()[pair.other];
+    const Side other{.shape = in.surroundings.numbers.of_anchored(pair.other),
+                     .surface = &anchored.surface,
+                     .rate = in.ground.rate_of_segment(pair.other)};
+    if (const auto hull = near_.hull(pair.one)) {
+      const Hull& each = near_.hulls()[*hull];
+      if (!hang_together(*in.cluster[each.island], each.shape->number, anchored))
+        touch_moving(in, *hull, in.ground.solid_of_segment(pair.other), other, KeyKind::segment, pair.other);
+      continue;
+    }
     const Body& each = near_.bodies()[pair.one];
-    if (hang_together(*in.cluster[each.island], each.number, in.ground.shapes()[pair.other])) continue;
+    if (hang_together(*in.cluster[each.island], each.number, anchored)) continue;
     const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
                       in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
     const Touches near = touches(own, in.ground.segments()[pair.other]);
     for (std::uint32_t n = 0; n < near.count; ++n) {
       const Middle<T> at = middle_of(in, each, near.at[n].a);
-      add(in, side_of(each, at),
-          {.shape = in.surroundings.numbers.of_anchored(pair.other),
-           .surface = &in.ground.shapes()[pair.other].surface,
-           .rate = in.ground.rate_of_segment(pair.other)},
-          near.at[n], contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
+      add(in, side_of(each, at), other, near.at[n],
+          contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
     }
   }
 }
@@ -99,6 +123,9 @@ std::uint32_t CrowdContacts<T>::cuts(const Crowd<T>& crowd, double h) const {
   };
   const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
   for (const Pair& pair : near_.hulls_on_ground()) see(near_.hulls()[pair.one]);
+  for (const std::span<const Pair> pairs : {near_.on_boxes(), near_.on_segments()})
+    for (const Pair& pair : pairs)
+      if (const auto hull = near_.hull(pair.one)) see(near_.hulls()[*hull]);
   for (const Pair& pair : near_.hull_pairs())
     for (const std::uint32_t i : {pair.one, pair.other})
       if (i >= lines) see(near_.hulls()[i - lines]);

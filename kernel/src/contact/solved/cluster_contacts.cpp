@@ -217,36 +217,45 @@ void ClusterStepper::touch_planes(std::uint32_t i, double h) {
 }
 
 void ClusterStepper::touch_boxes(std::uint32_t i, double h) {
-  const Island& island = islands_[i];
+  Island& island = islands_[i];
   const std::span<const Linkage::Shape> shapes = island.state->linkage->shapes();
   const std::span<const Vec3> x = island.state->x;
   for (std::uint32_t b = 0; b < ground_.boxes().size(); ++b) {
     const Surroundings::Solid& box = ground_.boxes()[b];
     if (!box.motion.platform) continue;  // it is among the other shapes
     const GroundRate* const rate = ground_.rate_of_box(b);
-    if (!box.bounds.overlaps(grown(island.bounds, h * fastest(rate, island.bounds, h)))) continue;
+    const double moves = h * fastest(rate, island.bounds, h);
+    if (!box.bounds.overlaps(grown(island.bounds, moves))) continue;
+    const Place other{none, no_particles, box.surface, surroundings_->numbers.of_box(b), rate};
     for (std::uint32_t k = 0; k < shapes.size(); ++k) {
       const Linkage::Shape& shape = shapes[k];
       if (!plumb::may_touch(shape.filter, box.filter)) continue;
       const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
       const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
       for_touches_with_box(p, q, shape.radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
-        add_contact({i, blend(shape.a, shape.b, t), shape.surface, k},
-                    {none, no_particles, box.surface, surroundings_->numbers.of_box(b), rate}, touch,
+        add_contact({i, blend(shape.a, shape.b, t), shape.surface, k}, other, touch,
                     contact_key(KeyKind::box, 16 * k + which, 0, b), h);
       });
     }
+    for (std::uint32_t k = 0; k < island.hulls.size(); ++k)
+      if (const PlacedShape hull{island.hulls, k}; plumb::may_touch(hull.hull->filter, box.filter))
+        for_touches_with_moving(hull, ground_.solid_of_box(b), settings_.margin + island.moves + moves,
+                                KeyKind::box, b,
+                                [&](std::uint64_t key, const Combination& at, const Touch& touch) {
+                                  add_contact({i, at, *hull.surface, hull.number}, other, touch, key, h);
+                                });
   }
 }
 
 void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
-  const Island& island = islands_[i];
+  Island& island = islands_[i];
   const std::span<const Linkage::Shape> shapes = island.state->linkage->shapes(), others = ground_.shapes();
   for (std::uint32_t l = 0; l < others.size(); ++l) {
     const Segment& other = ground_.segments()[l];
     const GroundRate* const rate = ground_.rate_of_segment(l);
-    const Bounds near = grown(island.bounds, h * fastest(rate, island.bounds, h) + other.radius);
-    if (!near.overlaps(box_around(other.p, other.q))) continue;
+    const double moves = h * fastest(rate, island.bounds, h);
+    if (!grown(island.bounds, moves + other.radius).overlaps(box_around(other.p, other.q))) continue;
+    const Place place{none, no_particles, others[l].surface, surroundings_->numbers.of_anchored(l), rate};
     for (std::uint32_t k = 0; k < shapes.size(); ++k) {
       const Linkage::Shape& shape = shapes[k];
       if (!plumb::may_touch(shape.filter, others[l].filter) || hang_together(*island.state, k, others[l]))
@@ -255,10 +264,18 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
       const Touches found = touches(first, other);
       for (std::uint32_t n = 0; n < found.count; ++n)
         add_contact({i, blend(shape.a, shape.b, found.at[n].a), shape.surface, k},
-                    {none, no_particles, others[l].surface, surroundings_->numbers.of_anchored(l), rate,
+                    {none, no_particles, place.surface, place.shape, rate,
                      n == 0 ? std::optional(other) : std::nullopt},
                     found.at[n], contact_key(KeyKind::segment, 4 * k + n, 0, l), h);
     }
+    for (std::uint32_t k = 0; k < island.hulls.size(); ++k)
+      if (const PlacedShape hull{island.hulls, k}; plumb::may_touch(hull.hull->filter, others[l].filter) &&
+                                                   !hang_together(*island.state, hull.number, others[l]))
+        for_touches_with_moving(hull, ground_.solid_of_segment(l), settings_.margin + island.moves + moves,
+                                KeyKind::segment, l,
+                                [&](std::uint64_t key, const Combination& at, const Touch& touch) {
+                                  add_contact({i, at, *hull.surface, hull.number}, place, touch, key, h);
+                                });
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -92,10 +93,15 @@ class CrowdPairs {
   std::span<const Pair> pairs() const { return pairs_; }
   /// Names a hull and a body or another hull. Numbers of hulls follow those of bodies.
   std::span<const Pair> hull_pairs() const { return hull_pairs_; }
+  /// Returns which hull has such a number, or nothing.
+  std::optional<std::uint32_t> hull(std::uint32_t number) const {
+    const auto lines = static_cast<std::uint32_t>(bodies_.size());
+    return number < lines ? std::nullopt : std::optional(number - lines);
+  }
   std::uint32_t island_of(std::uint32_t number) const {
     return number < bodies_.size() ? bodies_[number].island : hulls_[number - bodies_.size()].island;
   }
-  /// These name a ball and a plane, or a body and a box on a platform or a shape on anchors.
+  /// These name a ball and a plane, or a body or a hull and a box on a platform or a shape on anchors.
   std::span<const Pair> on_planes() const { return on_planes_; }
   std::span<const Pair> on_boxes() const { return on_boxes_; }
   std::span<const Pair> on_segments() const { return on_segments_; }

@@ -57,10 +57,10 @@ void CrowdPairs<T>::find_on_moving(const Crowd<T>& crowd, const GroundNow& groun
   }
   std::sort(on_planes_.begin(), on_planes_.end(), is_before);
   if (ground.boxes().empty() && ground.segments().empty()) return;
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-    if (!crowd.is_moving(bodies_[i].island)) continue;
+  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
+    if (!crowd.is_moving(island_of(i))) continue;
     const Bounds at = moved_by(bounds_[i], crowd.origin());
-    const Filter& filter = bodies_[i].shape->filter;
+    const Filter& filter = filter_of(i);
     for (std::uint32_t b = 0; b < ground.boxes().size(); ++b) {
       const Surroundings::Solid& box = ground.boxes()[b];
       if (box.motion.platform && box.bounds.overlaps(met(at, ground.rate_of_box(b))) &&
