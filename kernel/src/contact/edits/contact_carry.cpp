@@ -76,7 +76,7 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
     state.on_ground = was.on_ground;
     state.relax_for = was.relax_for;
     state.is_relaxed = was.is_relaxed;
-    state.is_strained = was.is_strained;
+    state.strain = was.strain;
     if (state.stiffness.size() == was.stiffness.size()) {
       state.stiffness = was.stiffness;
       state.stiffness_before = was.stiffness_before;

@@ -45,7 +45,7 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
   on_ground = from.on_ground;
   relax_for = from.relax_for;
   is_relaxed = from.is_relaxed;
-  is_strained = from.is_strained;
+  strain = from.strain;
 }
 
 /// Copies how elastics pull and are numbered, where as many are there.

@@ -104,7 +104,7 @@ void ContactSolver::begin_met(const Met& met, std::span<const std::uint32_t> nam
       state.frozen = state.frozen || from->frozen;
       state.on_ground = state.on_ground || from->on_ground;
       state.is_relaxed = state.is_relaxed || from->is_relaxed;
-      state.is_strained = state.is_strained || from->is_strained;
+      state.strain = std::max(state.strain, from->strain);
       state.relax_for = std::max(state.relax_for, from->relax_for);
     } else if (now != met.now.end()) {
       state.x[k] = now->second.position;

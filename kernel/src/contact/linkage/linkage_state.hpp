@@ -21,6 +21,9 @@ struct KeptContact {
   Vec3 force{}, end_force{};  ///< N
 };
 
+/// Says why rods are off their lengths: they are drawn too far, or ground is in their way.
+enum class Strain : std::uint8_t { none, drawn, pressed };
+
 /// Holds what steps change of an island.
 struct LinkageMotion {
   Array<Vec3> x, v;          ///< m and m/s; fixed particles too
@@ -33,7 +36,7 @@ struct LinkageMotion {
   bool on_ground = false;          ///< its matrix held contacts with ground in the last substep
   std::uint8_t relax_for = 0;      ///< so many steps, because it could not be solved
   bool is_relaxed = false;         ///< method auto relaxed its last step
-  bool is_strained = false;        ///< its rods do not fit, and are relaxed
+  Strain strain = Strain::none;    ///< its rods do not fit, and are relaxed
   double slow_time = 0;            ///< time for which it has been slow, s
   std::optional<double> energy{};  ///< J, that free flight keeps, or that elastics may have
   double most_motion = 0;          ///< J, most of kinetic and elastic energy since that was noted
@@ -274,10 +277,10 @@ void visit_members(Archive& archive, KeptContact& of) {
 template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-         is_strained, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
+         strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
          knows_tautness, broken, lengths] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-          is_strained, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
+          strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
           knows_tautness, broken, lengths);
 }
 template <class Archive>

@@ -82,7 +82,7 @@ void Visitor::come(LinkageState& state, ProjectionWork* work) {
   state.energy.reset();
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
   if (work == nullptr) return;
-  state.is_strained = !(project_positions(state, *work) <= most_left);
+  state.strain = project_positions(state, *work) <= most_left ? Strain::none : Strain::drawn;
   project_velocities(state, *work);
 }
 

@@ -21,6 +21,7 @@ struct ProjectionWork {
   Array<Vec3> before, momentum;
   Array<simd::Quad> unknowns;
   Array<Hold> holds;           ///< by which positions are pushed out of ground
+  Array<Hold> walls{};         ///< which they may not pass
   Array<std::uint8_t> acts{};  ///< by elastic, whether it is a rigid rod that holds, as cables do when taut
   bool is_new = false;         ///< Some act that did not before.
 };

@@ -44,6 +44,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
                              const ClusterRules& rules, double dt, Tally& report) {
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
   team_ = rules.team;
+  is_pressed_ = rules.is_pressed;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -187,7 +188,8 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     }
     solve(gradient, report);
   }
-  const bool is_torn = is_struck() && (is_missed || crowd_.violation(rod_kernels()) > most_violated());
+  const bool is_torn =
+      is_struck() && (is_missed || (!is_pressed_ && crowd_.violation(rod_kernels()) > most_violated()));
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;
   report.missed_contacts += is_missed;
   if (gradient == Gradient::mid && crowd_.violation(rod_kernels()) > least_guarded) {

@@ -31,6 +31,9 @@ inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 inline constexpr double least_sunk = 1.0 / 512;
 /// Where that brings them into ground, it is tried so often to hold them out of it.
 inline constexpr int most_holds = 4;
+/// Where rods do not fit, they are left off their lengths by up to so many times what would be in ground.
+/// Relaxation may leave more, which wanders.
+inline constexpr double most_drawn = 4;
 /// What is looked for at an instant is looked for in a substep of this length (s).
 inline constexpr double instant = 1e-9;
 /// Rods that bringing them to their lengths moves by no more than this share of their sizes fitted before.

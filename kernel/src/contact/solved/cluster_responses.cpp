@@ -177,7 +177,7 @@ bool ClusterStepper::find_buckling(bool is_found) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].buckles = false;
   if (is_buckled_) return false;
   for (const Row& row : rows_)
-    if (row.closes > still_ && is_held_in_ground(row))
+    if (is_driven_in(row))
       for (std::uint32_t k = 0; k < row.ends; ++k) islands_[row.island[k]].buckles = buckles_ = true;
   if (is_found || is_wide_) return buckles_;
   Answer all;

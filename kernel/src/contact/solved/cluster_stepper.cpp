@@ -342,7 +342,10 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   } while (switch_elastics() || let_go_of_held(true));
   gives_up_missed_ = gives_up_missed_ || std::any_of(rows_.begin(), rows_.end(),
                                                      [&](const Row& row) { return is_held_in_ground(row); });
-  return !find_buckling(true);
+  if (find_buckling(true)) return false;
+  is_squeezed_ = std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) { return is_driven_in(row); });
+  if (is_squeezed_) strain_ = Strain::pressed;
+  return !is_squeezed_;
 }
 
 /// Returns the work (J) that ground which moves does in the substep.

@@ -108,6 +108,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
+  void find_ground_now(std::uint32_t i);
+  void find_walls(std::uint32_t i);
   bool find_depths(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
@@ -238,6 +240,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   template <double Row::*of>
   double slide(const Row& row);
   bool is_held_in_ground(const Row& row);
+  bool is_driven_in(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
@@ -351,8 +354,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Array<LeftOut> left_out_;
   NearPairs own_pairs_;                         ///< of one island's shapes
   Array<Bounds> own_bounds_;                    ///< around those
-  NearPairs near_islands_;                      ///< which may touch in this substep
-  NearPairs close_islands_;                     ///< which may do so within a step
+  NearPairs near_islands_, close_islands_;      ///< which may touch in this substep, and within a step
   Array<Bounds> island_bounds_;                 ///< of which such pairs are
   Array<double> top_speeds_;                    ///< m/s, of islands
   const Surroundings* surroundings_ = nullptr;  ///< of this step
@@ -363,17 +365,16 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool may_sink_ = true;          ///< what is relaxed may end deeper in ground than it was
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
-  bool keeps_strain_ = false;     ///< rods that do not fit may be off their lengths, in what is relaxed
+  Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                       ///< something pushes in this substep, or is near enough to
   bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead
   bool found_crowd_ = false, in_crowd_ = false;  ///< and does; what gives is relaxed in it
-  bool is_fitted_ = false;                       ///< rods were brought to their lengths in this step
-  bool has_looked_ahead_ = false;                ///< it is known where anchors leave rods in this step
-  bool is_buckled_ = false, buckles_ = false;    ///< rods were nudged aside in this step, or are to be
-  bool has_momentum_ = false;                    ///< sweeps go on the way they went
-  double kept_of_overlaps_ = 1;                  ///< the share of their pushes that sweeps keep
+  bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
+  bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
+  bool has_momentum_ = false;                          ///< sweeps go on the way they went
+  double kept_of_overlaps_ = 1;                        ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
@@ -386,10 +387,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   int switches_ = 0;                        ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
-  bool rests_ = false;  ///< nothing is faster than what may sleep, as the substep begins
-  /// Something was lifted in this step, and all stopped. Sweeps lift what rests in substeps of any length.
-  bool is_stopped_ = false;
-  bool is_squeezed_ = false;                      ///< what drives would throw it, however short a substep is
+  bool rests_ = false;        ///< nothing is faster than what may sleep, as the substep begins
+  bool is_stopped_ = false;   ///< in this step, as something was lifted; sweeps do so in any substep
+  bool is_squeezed_ = false;  ///< what drives throws it or presses it into ground, however short a substep is
   double now_ = 0, left_ = 0;                     ///< s, since the beginning of the step, and until its end
   double shortest_ = 0, shortest_if_missed_ = 0;  ///< s; the latter where something is in ground still
   Team* team_ = nullptr;                          ///< that may help what is relaxed

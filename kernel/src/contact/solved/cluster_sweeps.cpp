@@ -39,6 +39,11 @@ bool ClusterStepper::is_held_in_ground(const Row& row) {
   return row.kind == Kind::normal && row.over == 0 && row.gap + slide<&Row::p>(row) < -settings_.tolerance;
 }
 
+/// Returns whether anchors drive such a contact deeper.
+bool ClusterStepper::is_driven_in(const Row& row) {
+  return row.closes > still_ && is_held_in_ground(row);
+}
+
 void ClusterStepper::push(const Row& row, double by) {
   if (by == 0) return;
   if (is_wide_) return push_freely(row, by);

@@ -37,10 +37,11 @@ bool is_crowd(std::span<LinkageState* const> cluster) {
   return touching > few_touching;
 }
 
-/// Returns whether rods of a cluster did not fit when they were looked at last.
-bool is_strained(std::span<LinkageState* const> cluster) {
-  return std::any_of(cluster.begin(), cluster.end(),
-                     [](const LinkageState* state) { return state->is_strained; });
+/// Returns how rods of a cluster did not fit when they were looked at last.
+Strain strain_of(std::span<LinkageState* const> cluster) {
+  Strain out = Strain::none;
+  for (const LinkageState* const state : cluster) out = std::max(out, state->strain);
+  return out;
 }
 
 /// Returns whether some rods break, hang slack or give. Solved with what they touch, they take far longer
@@ -77,7 +78,8 @@ bool has_run_away(const LinkageState& state, const LinkageMotion& before, double
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = sweeps_ground_ = takes_end_ = sinks_ = keeps_strain_ = in_crowd_ = false;
+  loose_ = sweeps_ground_ = takes_end_ = sinks_ = in_crowd_ = false;
+  strain_ = Strain::none;
   kept_of_overlaps_ = 1;
   bool was_loose = false;
   const bool is_lone = is_line(cluster);
@@ -158,7 +160,8 @@ bool ClusterStepper::will_come_taut() {
 /// relaxed: all stays where it is then.
 double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster, const Surroundings& where,
                                       Tally& report) {
-  keeps_strain_ = may_sink_ = true;
+  strain_ = std::max(strain_, Strain::drawn);
+  may_sink_ = true;
   for (std::uint32_t i = 0; i < count_; ++i)
     if (LinkageState& state = *islands_[i].state; islands_[i].awake && state.linkage->is_grounded())
       std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
@@ -248,8 +251,8 @@ bool ClusterStepper::any_touch() const {
 /// it is none or cannot be relaxed.
 bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                                  std::uint32_t substeps, double dt, Tally& report) {
-  keeps_strain_ = is_strained(cluster);
-  const bool relaxes = keeps_strain_ || (relaxes_crowds_ && is_crowd(cluster));
+  strain_ = strain_of(cluster);
+  const bool relaxes = strain_ != Strain::none || (relaxes_crowds_ && is_crowd(cluster));
   looks_for_crowd_ = relaxes_crowds_ && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
   may_sink_ = true;
@@ -282,39 +285,6 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
   const double wanted = std::ceil(dt * fastest / (most_approach * thinnest));
   return static_cast<std::uint32_t>(
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
-}
-
-/// Brings the rods of an island to their lengths from where it is, which may leave a violation of `most`, and
-/// out of ground that it is in more than at Island::there. What is to be held is among holds already. Returns
-/// false where rods are too far from their lengths, or something passed ground on its way.
-bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
-  Island& island = islands_[i];
-  LinkageState& state = *island.state;
-  if (!(project_positions(state, projection_) <= most)) return false;
-  for (int tries = 0; find_depths(i) && tries < most_holds; ++tries)
-    if (project_positions(state, projection_) != 0) break;
-  gives_up_missed_ = gives_up_missed_ || deepest_ > settings_.slop;
-  if (passes_ground(island, surroundings)) return false;
-  project_velocities(state, projection_);
-  std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-  state.energy.reset();
-  return true;
-}
-
-/// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
-bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const LinkageState& state = *islands_[i].state;
-    islands_[i].awake = !state.asleep && !state.frozen;
-    if (!islands_[i].awake) continue;
-    islands_[i].there = state.x;
-    projection_.holds.clear();
-    const bool fits = bring_to_lengths(i, most_left, surroundings);
-    if (!fits && !keeps_strain_) return false;
-    if (!fits) islands_[i].state->x = islands_[i].there;
-    islands_[i].state->is_strained = !fits;
-  }
-  return true;
 }
 
 /// Brings the rods of a cluster to their lengths, once in a step, before it is tried again: a substep may
@@ -353,16 +323,24 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
                            std::uint32_t substeps, double dt, Tally& report) {
   const auto can_relax = [&](const LinkageState* state) {
     const Linkage& linkage = *state->linkage;
-    return (keeps_strain_ ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
+    return (strain_ != Strain::none ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
            throw_of(*state, dt) <= farthest_throw * linkage.size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
   keep_motion(cluster);
   Tally tried = report;
-  const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
+  ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)),
+                     .team = team_,
+                     .is_pressed = strain_ == Strain::pressed};
   const double elapsed = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed = now_;
-  relaxed_->step(cluster, surroundings, rules, dt, tried);
+  // Against ground that is in the way pushes would grow without bound. None is kept for the next substep.
+  const std::uint32_t parts = rules.is_pressed ? std::exchange(rules.substeps, 1) : 1;
+  for (std::uint32_t i = 0; i < parts; ++i) {
+    for (LinkageState* const state : cluster)
+      if (rules.is_pressed) state->kept.clear();
+    relaxed_->step(cluster, surroundings, rules, dt / parts, tried);
+  }
   ground_.find(surroundings, now_ + dt);
   gives_up_missed_ = false;
   bool fits = true;
@@ -370,7 +348,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   fits = fits && bring_to_lengths(surroundings);
   const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
-  if (fits && !sinks && (keeps_strain_ || !has_ball_sunk())) {
+  if (fits && !sinks && (strain_ != Strain::none || !has_ball_sunk())) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
@@ -378,7 +356,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
       state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;
-    report.elastic_substeps += keeps_strain_ && is_strained(cluster);
+    report.elastic_substeps += strain_ != Strain::none && strain_of(cluster) != Strain::none;
     report.missed_contacts += gives_up_missed_;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;

@@ -1,5 +1,4 @@
-// This file finds where islands touch ground that is not a plane, how deep they are in any, and where their
-// hulls touch others.
+// This file finds where islands touch ground that is not a plane, and where their hulls touch others.
 
 #include <algorithm>
 #include <cmath>
@@ -204,60 +203,6 @@ void ClusterStepper::touch_island_hulls(std::uint32_t i, std::uint32_t j, double
           });
     }
   }
-}
-
-/// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
-/// held out of it. Returns whether it is.
-bool ClusterStepper::find_depths(std::uint32_t i) {
-  Island& island = islands_[i];
-  const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
-  const std::size_t terms = island.terms.size();
-  island.d.assign(island.state->x.size(), Vec3{});
-  island.v = island.state->v;
-  island.ground.clear();
-  missed_ground_.clear();
-  find_bounds(island);
-  touch_planes(i, h);
-  touch_ground(i, h);
-  touch_boxes(i, h);
-  touch_anchored(i, h);
-  recovery_rate_ = rate;
-  left_out_.clear();
-  island.terms.resize(terms);
-  bool is_deeper = false;
-  deepest_ = 0;
-  island.ground.for_all([&](const GroundContact& contact) {
-    deepest_ = std::max(deepest_, -contact.gap);
-    const double now = dot(contact.normal, contact.at.of(island.state->x));
-    const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
-    if (least <= now + settings_.slop) return;
-    projection_.holds.push_back({contact.at, contact.normal, least});
-    is_deeper = true;
-  });
-  island.ground.clear();
-  return is_deeper;
-}
-
-/// Returns whether what was relaxed for h (s) lies deeper in ground than in before_.
-bool ClusterStepper::have_sunk(double h) {
-  const auto deepest = [&] {
-    double out = 0;
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      if (!islands_[i].awake) continue;
-      find_depths(i);
-      out = std::max(out, deepest_);
-    }
-    return out;
-  };
-  const auto swap_places = [&] {
-    for (std::uint32_t i = 0; i < count_; ++i) std::swap(islands_[i].state->x, before_[i].x);
-  };
-  swap_places();
-  ground_.find(*surroundings_, now_);
-  const double was = deepest();
-  swap_places();
-  ground_.find(*surroundings_, now_ + h);
-  return deepest() > was + settings_.tolerance;
 }
 
 }  // namespace plumb::detail
