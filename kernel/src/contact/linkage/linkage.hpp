@@ -298,9 +298,9 @@ class Linkage {
   };
   struct TautRod {
     std::uint32_t a, b, row;
-    double over2;                         ///< 1/L²
-    double over_mass;                     ///< 1/kg, the sum of its ends' inverse masses
-    std::array<std::uint32_t, 9> places;  ///< of M: x, y and z of a, of b, and between them; or none
+    double turns;                           ///< by this its multiplier is how stiff it is across itself
+    double over_mass = 0;                   ///< 1/kg, the sum of its ends' inverse masses
+    std::array<std::uint32_t, 9> places{};  ///< of M: x, y and z of a, of b, and between them; or none
   };
   struct FlatRod {
     std::uint32_t a, b, row;

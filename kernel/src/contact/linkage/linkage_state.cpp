@@ -116,6 +116,8 @@ void LinkageState::break_rod(std::size_t elastic) {
   laws[elastic] = {};
   broken[elastic] = 1;
   energy.reset();
+  forget_tautness();
+  free_waves();
   slow_time = -awake_after_break;
 }
 

@@ -103,7 +103,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
   bool have_sunk(double h);
-  bool has_ball_sunk();
+  bool has_ball_sunk(double most);
+  void keep_strain();
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
@@ -367,10 +368,10 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
   Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
-  bool woken_ = false, all_near_ = false;
-  bool may_touch_ = false;                       ///< something pushes in this substep, or is near enough to
-  bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead
-  bool found_crowd_ = false, in_crowd_ = false;  ///< and does; what gives is relaxed in it
+  bool woken_ = false, all_near_ = false,
+       may_touch_ = false;                             ///< something pushes in it, or is near enough to
+  bool looks_for_crowd_ = false;                       ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
   bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
   bool has_momentum_ = false;                          ///< sweeps go on the way they went
@@ -378,8 +379,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
-  bool is_wide_ = false;        ///< pushes are found freely
-  bool knows_answers_ = false;  ///< responses are those of the rows of now
+  bool is_wide_ = false, knows_answers_ = false;  ///< pushes are found freely; responses are those of rows_
   Array<FreeTerm> free_terms_;
   Array<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                ///< which elastics are slack is known from the last try

@@ -51,6 +51,19 @@ bool gives(std::span<LinkageState* const> cluster) {
                      [](const LinkageState* state) { return !state->laws.empty(); });
 }
 
+/// Returns whether some island is one particle.
+bool has_balls(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return state->linkage->movable() == 1; });
+}
+
+/// Returns the thinness (m) of the thinnest thing.
+double thinness(std::span<LinkageState* const> cluster) {
+  double out = INFINITY;
+  for (const LinkageState* const state : cluster) out = std::min(out, state->linkage->thinness());
+  return out;
+}
+
 /// Returns whether relaxation for h (s) brought something farther from where it was than it goes, or the
 /// island is wide. Sweeps over what anchors pull apart, or into ground, need not end anywhere.
 bool has_run_away(const LinkageState& state, const LinkageMotion& before, double h) {
@@ -82,7 +95,8 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   strain_ = Strain::none;
   kept_of_overlaps_ = 1;
   bool was_loose = false;
-  const bool is_lone = is_line(cluster);
+  const bool is_lone = is_line(cluster), is_watched = gives(cluster) && has_balls(cluster);
+  if (is_watched) keep_motion(cluster);
   double halved = h;
   while (!substep(surroundings, h, report)) {
     if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
@@ -129,7 +143,10 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       return solve_strained(cluster, surroundings, report);
     h = whole;
   }
-  return h;
+  // What yields would let heavy balls through.
+  if (!is_watched || kept_of_overlaps_ == 1 || !has_ball_sunk(most_approach * thinness(cluster))) return h;
+  return_to_motion(cluster);
+  return solve_strained(cluster, surroundings, report);
 }
 
 /// Returns whether anchors that move leave some rods no place until the end of the step. What they hold gets
@@ -348,7 +365,9 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   fits = fits && bring_to_lengths(surroundings);
   const bool sinks = !may_sink_ && (!fits || (gives_up_missed_ && have_sunk(dt)));
   sinks_ = sinks_ || sinks;
-  if (fits && !sinks && (strain_ != Strain::none || !has_ball_sunk())) {
+  const bool sinks_ball = fits && has_ball_sunk(settings_.slop);
+  if (sinks_ball && strain_ != Strain::none) keep_strain();
+  if (fits && !sinks && (strain_ != Strain::none || !sinks_ball)) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;

@@ -65,7 +65,7 @@ void ClusterStepper::touch_missed_pairs(std::uint32_t i, std::uint32_t j, double
 
 /// Returns whether something on one particle has gone deeper into another island than in before_. Few sweeps
 /// do not carry what is heavy on light rods.
-bool ClusterStepper::has_ball_sunk() {
+bool ClusterStepper::has_ball_sunk(double most) {
   if (std::none_of(islands_.begin(), islands_.begin() + count_,
                    [](const Island& each) { return each.state->linkage->movable() == 1; }))
     return false;
@@ -76,7 +76,7 @@ bool ClusterStepper::has_ball_sunk() {
   const auto sinks = [&](std::uint32_t i, std::uint32_t k, std::uint32_t j, std::uint32_t l) {
     const LinkageState &one = *islands_[i].state, &other = *islands_[j].state;
     const double gap = touch(place(i, k, one.x), place(j, l, other.x)).gap;
-    return gap < -settings_.slop - settings_.tolerance &&
+    return gap < -most - settings_.tolerance &&
            gap < touch(place(i, k, before_[i].x), place(j, l, before_[j].x)).gap &&
            plumb::may_touch(one.linkage->shapes()[k].filter, other.linkage->shapes()[l].filter) &&
            !hang_together(one, k, other, l);
@@ -95,6 +95,15 @@ bool ClusterStepper::has_ball_sunk() {
   return std::any_of(pairs.begin(), pairs.end(), [&](const NearPairs::Pair& pair) {
     return sinks_in(pair.first, pair.second) || sinks_in(pair.second, pair.first);
   });
+}
+
+/// Takes rods back to where they were off their lengths, before they were brought to them.
+void ClusterStepper::keep_strain() {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!islands_[i].awake) continue;
+    islands_[i].state->x = islands_[i].there;
+    islands_[i].state->strain = std::max(islands_[i].state->strain, Strain::drawn);
+  }
 }
 
 /// Finds the ground that an island touches or is near where it is, as contacts.

@@ -8,6 +8,7 @@
 // the substep.
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -33,11 +34,11 @@ void Linkage::find_taut_rods(const Scene& part) {
   for (const Body& body : part.bodies)
     for (const std::uint32_t a : body.particles)
       for (const std::uint32_t b : body.particles) in_bodies.emplace(a, b);
-  for (const RodRow& rod : rods_) {
+  const auto add = [&](TautRod rod) {
     const bool both_move = rod.a < movable_ && rod.b < movable_;
     if (in_bodies.contains({rod.a, rod.b}) || (both_move && !coupled.contains(std::minmax(rod.a, rod.b))))
-      continue;
-    TautRod& taut = taut_rods_.emplace_back(TautRod{rod.a, rod.b, rod.row, rod.over2, 0, {}});
+      return;
+    TautRod& taut = taut_rods_.emplace_back(rod);
     taut.places.fill(none);
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const auto place = [&](std::uint32_t i, std::uint32_t j) {
@@ -49,12 +50,23 @@ void Linkage::find_taut_rods(const Scene& part) {
     }
     for (const std::uint32_t end : {rod.a, rod.b})
       if (end < movable_) taut.over_mass += 1 / weights_[end];
+  };
+  for (const RodRow& rod : rods_) add({rod.a, rod.b, rod.row, rod.over2});
+  for (std::size_t i = 0; i < elastics_.size(); ++i) {
+    const Elastic& each = elastics_[i];
+    const Combination& apart = each.sums[0];
+    // Of rods that are rigid until they break or hang slack. Their multipliers are less than 0 where they
+    // pull.
+    const bool is_rod = each.kind == Elastic::Kind::distance && apart.count == 2 &&
+                        std::abs(apart.terms[0].weight) == 1 && std::abs(apart.terms[1].weight) == 1;
+    if (is_rod && std::isinf(elastic_laws_[i].stiffness))
+      add({apart.terms[0].particle, apart.terms[1].particle, each.row, 1 / elastic_laws_[i].rest});
   }
 }
 
 void Linkage::find_tautness(std::span<const double> multipliers, std::span<double> out) const {
   for (std::size_t i = 0; i < taut_rods_.size(); ++i)
-    out[i] = taut_rods_[i].over2 * multipliers[taut_rods_[i].row - 3 * movable_];
+    out[i] = taut_rods_[i].turns * multipliers[taut_rods_[i].row - 3 * movable_];
 }
 
 void Linkage::find_wave_inertia(std::span<const double> stiffness, std::span<const double> before, double h,
