@@ -72,7 +72,7 @@ Swing swing(const Scene& scene, Vec3 force, bool every_step) {
 // as much again whenever a force was set, were it none.
 TEST(ShapedLaws, GainNoEnergyInTheAir) {
   for (const std::uint32_t rods : {2u, 20u})
-    for (const auto& [law, least] : {std::pair{breakable, 1 - 1e-6}, std::pair{cable, 0.75}})
+    for (const auto& [law, least] : {std::pair{breakable, 1 - 1e-6}, std::pair{cable, 0.999}})
       for (const double force : {0.0, 500.0}) {
         SCOPED_TRACE(std::to_string(rods) + (law.one_sided ? " cables, " : " rods, ") +
                      std::to_string(force));
@@ -142,7 +142,7 @@ TEST(ShapedLaws, CablesHoldHeavyBalls) {
   struct Load {
     double mass, stretch;
   };
-  for (const auto [mass, stretch] : {Load{2, 0.01}, {10, 0.04}, {30, 0.16}, {100, 0.45}})
+  for (const auto [mass, stretch] : {Load{2, 0.004}, {10, 0.015}, {30, 0.05}, {100, 0.2}})
     for (const std::uint32_t cables : {10u, 20u, 40u}) {
       SCOPED_TRACE(testing::Message() << mass << " kg on " << cables);
       Scene scene;
@@ -162,10 +162,11 @@ TEST(ShapedLaws, CablesHoldHeavyBalls) {
     }
 }
 
-// Cables that are drawn too far between an anchor and one that goes into ground share what they lack, and may
-// wander. Before, sweeps threw particles by kilometres in one frame, at speeds that were reported as 1 m/s.
+// Cables that are drawn too far between an anchor and one that goes into ground share what they lack. Before,
+// sweeps threw particles by kilometres in one frame, at speeds that were reported as 1 m/s, or they wandered
+// by decimetres: pushes that were kept from substep to substep grew without bound.
 TEST(ShapedLaws, DrawnIntoGroundAreNotThrown) {
-  for (const double speed : {0.1, 0.3}) {
+  for (const double speed : {0.1, 0.3, 1.0, 3.0}) {
     Scene scene;
     scene.planes.push_back({});
     add_line(scene, {0.2, 1.25, 0}, {0, 0, 0}, 16, 0.15, 0.03, cable);
@@ -180,7 +181,7 @@ TEST(ShapedLaws, DrawnIntoGroundAreNotThrown) {
       for (std::uint32_t k = 0; k <= 16; ++k)
         farthest = std::max(farthest, norm(world.position(k) - before[k]));
     }
-    EXPECT_LE(farthest, 0.3) << speed;
+    EXPECT_LE(farthest, std::max(0.02, speed * frame + 1e-9)) << speed;
   }
 }
 

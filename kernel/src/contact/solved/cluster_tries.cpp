@@ -51,6 +51,12 @@ bool gives(std::span<LinkageState* const> cluster) {
                      [](const LinkageState* state) { return !state->laws.empty(); });
 }
 
+/// Returns whether some island has springs, or what is as soft.
+bool have_springs(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(),
+                     [](const LinkageState* state) { return state->trades_energy(); });
+}
+
 /// Returns whether some island is one particle.
 bool has_balls(std::span<LinkageState* const> cluster) {
   return std::any_of(cluster.begin(), cluster.end(),
@@ -351,11 +357,12 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
                      .is_pressed = strain_ == Strain::pressed};
   const double elapsed = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed = now_;
-  // Against ground that is in the way pushes would grow without bound. None is kept for the next substep.
-  const std::uint32_t parts = rules.is_pressed ? std::exchange(rules.substeps, 1) : 1;
+  // Where rods do not fit pushes would grow without bound. None is kept for the next substep. Springs fit.
+  const bool forgets = strain_ != Strain::none && !have_springs(cluster);
+  const std::uint32_t parts = forgets ? std::exchange(rules.substeps, 1) : 1;
   for (std::uint32_t i = 0; i < parts; ++i) {
     for (LinkageState* const state : cluster)
-      if (rules.is_pressed) state->kept.clear();
+      if (forgets) state->kept.clear();
     relaxed_->step(cluster, surroundings, rules, dt / parts, tried);
   }
   ground_.find(surroundings, now_ + dt);
