@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "support/ground.hpp"
@@ -312,6 +313,52 @@ TEST(RelaxedGround, KeepsOutWhatABlowThrowsAtItWithinAStep) {
     }
     EXPECT_LT(world.position(struck).y, 0.025) << "it was thrown there";
   }
+}
+
+/// How high (m) something with this restitution rises after each of its first bounces, from 1 m.
+std::vector<double> tops_of(Scene scene, double restitution, std::uint32_t substeps, std::size_t count) {
+  scene.planes.push_back({.surface = {.restitution = restitution}});
+  World world(scene, {.method = Method::relax, .substeps = substeps, .threads = 1});
+  std::vector<double> out;
+  double before = 1, last = 1;
+  for (int i = 0; out.size() < count && i < 600; ++i) {
+    world.step(frame);
+    double now = 0;
+    const auto particles = static_cast<double>(scene.particles.size());
+    for (std::uint32_t k = 0; k < particles; ++k) now += (world.position(k).y - 0.1) / particles;
+    if (i > 1 && last > before && last >= now) out.push_back(last);
+    before = std::exchange(last, now);
+  }
+  return out;
+}
+
+// A ball rises to e² of its height, less what a step is off by, and never to more: before, it gained up to
+// 11 % in seven bounces. Relaxed velocities of bodies lag by half a substep, which takes 7 % at one substep.
+// Boxes used to stay where they fell, as blows on their corners moved these alone.
+TEST(RelaxedGround, GivesBackWhatRestitutionSays) {
+  for (const double restitution : {0.5, 0.9, 1.0})
+    for (const std::uint32_t substeps : {1u, 4u}) {
+      SCOPED_TRACE(testing::Message() << "restitution " << restitution << ", substeps " << substeps);
+      const double square = restitution * restitution;
+      Scene ball;
+      test::add_ball(ball, {0, 1.1, 0}, 0.1, 1);
+      const std::vector<double> of_ball = tops_of(ball, restitution, substeps, 3);
+      ASSERT_EQ(of_ball.size(), 3u);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double wanted = std::pow(square, i + 1.0);
+        EXPECT_LE(of_ball[i], wanted + 1e-3);
+        EXPECT_GE(of_ball[i], wanted - 0.02);
+      }
+      Scene box;
+      MassProperties cube = solid_box(1, {0.2, 0.2, 0.2});
+      cube.center = {0, 1.1, 0};
+      const std::uint32_t body = add_body(box, cube);
+      box.hulls.push_back(box_on_body(body, {.center = cube.center, .half_size = {0.1, 0.1, 0.1}}));
+      const std::vector<double> of_box = tops_of(box, restitution, substeps, 1);
+      ASSERT_FALSE(of_box.empty());
+      EXPECT_LE(of_box[0], square + 1e-3);
+      EXPECT_GE(of_box[0], square - 0.12);
+    }
 }
 
 }  // namespace

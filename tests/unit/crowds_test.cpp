@@ -11,6 +11,7 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/colored_rods.hpp"
 #include "contact/relaxed/blows/crowd_blows.hpp"
+#include "contact/relaxed/blows/rigid_velocities.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
@@ -229,6 +230,37 @@ TEST(CrowdJoints, BallJointsAndCablesAreExactAfterOneVisit) {
   crowd.scatter(pinned.state, 0);
   EXPECT_LT(norm(pinned.state.x[1] - pinned.state.x[0]), 1e-15);
   EXPECT_NEAR(pinned.state.x[0].x, 0.75, 1e-15) << "its centre of mass stays";
+}
+
+// A body that is hit at one particle moves on as a whole, with the momentum and the spin of the blow.
+TEST(Crowds, MakeBodiesMoveAsOne) {
+  Scene scene;
+  scene.gravity = {};
+  MassProperties solid = solid_box(3, {0.2, 0.4, 0.6});
+  solid.center = {1, 2, 3};
+  const std::uint32_t body = add_body(scene, solid);
+  scene.particles[scene.bodies[body].particles[1]].velocity = {0.3, -2, 1};
+  One one(scene);
+  Crowd<double> crowd;
+  crowd.gather(one.cluster, {});
+  const auto moments = [&] {
+    std::array<Vec3, 2> out{};
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const Vec3 momentum = scene.particles[k].mass * one.state.v[k];
+      out[0] += momentum;
+      out[1] += cross(one.state.x[k], momentum);
+    }
+    return out;
+  };
+  const auto before = moments();
+  make_rigid(crowd, 0, scene.bodies[body].particles);
+  crowd.scatter(one.state, 0);
+  const auto after = moments();
+  for (const int i : {0, 1}) EXPECT_LT(norm(after[i] - before[i]), 1e-14);
+  for (std::uint32_t i = 0; i < 4; ++i)
+    for (std::uint32_t k = 0; k < i; ++k)
+      EXPECT_LT(std::abs(dot(one.state.x[i] - one.state.x[k], one.state.v[i] - one.state.v[k])), 1e-15);
+  EXPECT_GT(norm(one.state.v[0]), 0.01) << "the others move, too";
 }
 
 TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {

@@ -102,6 +102,12 @@ inline double approach_of(double gap, double closing, double arriving, double h)
   return arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
 }
 
+/// Likewise of a relaxed substep. Its prediction goes on at the velocity of its end, so that `closing` has
+/// twice what is gained on the way.
+inline double relaxed_approach_of(double gap, double closing, double arriving, double h) {
+  return approach_of(gap, 0.5 * (closing + h * arriving), arriving, h);
+}
+
 /// Returns the speed (m/s) with which a contact leaves the surface that it hits at `approach`.
 inline double bounce_of(double restitution, double least, double approach) {
   return approach > least ? restitution * approach : 0;

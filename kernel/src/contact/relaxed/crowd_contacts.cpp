@@ -189,7 +189,7 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
   contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
-  rare.approach = approach_of(touch.gap, closing, arriving, h);
+  rare.approach = relaxed_approach_of(touch.gap, closing, arriving, h);
   rare.bounce = bounce_of(restitution, settings_.bounce_speed, rare.approach);
   add_sliding(in, sides, touch, rare);
   add_turning(in, sides, contact, rare);

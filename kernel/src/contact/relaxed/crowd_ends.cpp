@@ -209,7 +209,7 @@ void CrowdEnds<T>::see_bounces(const Crowd<T>& crowd, double h) {
     const Vec3 normal = vector(lane, fields::normal);
     End& end = ends_[lane];
     end.kick = 0;
-    end.approach = approach_of(field(lane, fields::gap), dot(normal, crowd.moved(place(lane))),
+    end.approach = relaxed_approach_of(field(lane, fields::gap), dot(normal, crowd.moved(place(lane))),
                                dot(normal, crowd.velocity(place(lane))), h);
     end.bounce = bounce_of(restitution_[lane], settings_.bounce_speed, end.approach);
   });

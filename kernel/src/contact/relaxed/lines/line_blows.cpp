@@ -39,7 +39,7 @@ void CrowdLines<T>::see_blows(const Crowd<T>& crowd, const CrowdPairs<T>& near, 
     const double arriving =
         dot(normal, between(lane, [&](std::uint32_t place) { return crowd.velocity(place); }));
     Blow& blow = blows_[lane];
-    blow.approach = approach_of(field(lane, fields::gap), closing, arriving, h);
+    blow.approach = relaxed_approach_of(field(lane, fields::gap), closing, arriving, h);
     blow.bounce = bounce_of(std::max(a.restitution, b.restitution), settings_.bounce_speed, blow.approach);
   });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "contact/relaxed/blows/rigid_velocities.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 
 namespace plumb::detail {
@@ -200,7 +201,7 @@ double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
 
 template <class T>
 bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
-  constexpr int sweeps = 4;
+  constexpr int sweeps = 4, sweeps_of_bodies = 20;
   const auto for_bounces = [&](auto&& f) {
     for (Batch& batch : batches_) {
       if (batch.rares.empty()) continue;
@@ -210,8 +211,13 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
     }
   };
   bool any = ends_.any_bounces() || lines_.any_bounces();
-  for_bounces([&](const Batch&, const Contact&, const Rare&) { any = true; });
-  for (int i = 0; any && i < sweeps; ++i) {
+  bool any_body = false;
+  for_bounces([&](const Batch&, const Contact& contact, const Rare&) {
+    any = true;
+    for (std::size_t k = 0; k < 2 && contact.island[k] != none; ++k)
+      any_body = any_body || body_under(near_, contact.island[k], contact.shape[k]) != nullptr;
+  });
+  for (int i = 0; any && i < (any_body ? sweeps_of_bodies : sweeps); ++i) {
     ends_.bounce(crowd);
     lines_.bounce(crowd);
     for_bounces([&](const Batch& batch, const Contact& contact, Rare& rare) {
@@ -220,6 +226,9 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
       const double kick = std::max(0.0, rare.kick + contact.over * (rare.bounce - leaves));
       crowd.push_velocity(terms, (kick - rare.kick) * contact.normal);
       rare.kick = kick;
+      for (std::size_t k = 0; k < 2 && contact.island[k] != none; ++k)
+        if (const auto* const body = body_under(near_, contact.island[k], contact.shape[k]))
+          make_rigid(crowd, contact.island[k], *body);
     });
   }
   return any;

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "contact/relaxed/crowd.hpp"
+#include "contact/relaxed/pairs/crowd_pairs.hpp"
+
+namespace plumb::detail {
+
+/// Gives the four particles of a body the rigid motion with their momentum and angular momentum, unless some
+/// are fixed. A blow on one of its corners moves all of it then, as it does where rods are solved.
+template <class T>
+void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles) {
+  std::array<double, 4> mass;
+  std::array<Vec3, 4> from, v;
+  std::array<std::uint32_t, 4> at;
+  double all = 0;
+  Vec3 middle{}, momentum{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double inverse = crowd.inverse_mass(island, particles[i]);
+    if (!(inverse > 0)) return;
+    at[i] = crowd.number_of(island, particles[i]);
+    mass[i] = 1 / inverse;
+    from[i] = crowd.position(at[i]);
+    v[i] = crowd.velocity(at[i]);
+    all += mass[i];
+    middle += mass[i] * from[i];
+    momentum += mass[i] * v[i];
+  }
+  const Vec3 common = (1 / all) * momentum;
+  Vec3 spin{}, x{}, y{}, z{};  // angular momentum, and columns of the inertia
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 r = from[i] -= (1 / all) * middle;
+    spin += mass[i] * cross(r, v[i] - common);
+    x += mass[i] * (dot(r, r) * Vec3{1, 0, 0} - r.x * r);
+    y += mass[i] * (dot(r, r) * Vec3{0, 1, 0} - r.y * r);
+    z += mass[i] * (dot(r, r) * Vec3{0, 0, 1} - r.z * r);
+  }
+  const Vec3 yz = cross(y, z);
+  const double size = dot(x, yz);
+  if (!(size > 0)) return;
+  spin = (1 / size) * Vec3{dot(yz, spin), dot(cross(z, x), spin), dot(cross(x, y), spin)};
+  for (std::size_t i = 0; i < 4; ++i) crowd.push_velocity(at[i], common + cross(spin, from[i]) - v[i]);
+}
+
+/// Returns the particles of the body that a shape or a hull of an island turns with, by its number; null if
+/// that turns with none.
+template <class T>
+const std::array<std::uint32_t, 4>* body_under(const CrowdPairs<T>& near, std::uint32_t island,
+                                               std::uint32_t number) {
+  const auto find = [&](const auto& list, auto&& number_of) {
+    const auto at = std::partition_point(list.begin(), list.end(), [&](const auto& each) {
+      return each.island < island || (each.island == island && number_of(each) < number);
+    });
+    return at != list.end() && at->island == island && number_of(*at) == number ? &*at : nullptr;
+  };
+  if (const auto* const hull = find(near.hulls(), [](const auto& each) { return each.shape->number; }))
+    return &hull->shape->particles;
+  const auto* const body = find(near.bodies(), [](const auto& each) { return each.number; });
+  return body != nullptr && body->turns ? &body->shape->turners : nullptr;
+}
+
+}  // namespace plumb::detail
