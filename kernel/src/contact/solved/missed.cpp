@@ -195,15 +195,21 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   projection_.walls.clear();
   if (strain_ != Strain::none) find_walls(i);
   if (!(project_positions(state, projection_) <= most)) return false;
-  double moved = 0;
-  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
-    moved = std::max(moved, norm(state.x[k] - island.there[k]));
+  const auto farthest = [&] {
+    double out = 0;
+    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+      out = std::max(out, norm(state.x[k] - island.there[k]));
+    return out;
+  };
+  const double moved = farthest();
   bool is_held = !find_depths(i);
-  const bool may_press = moved <= most_drawn * deepest_;
+  const double depth = deepest_;
   for (int tries = 0; !is_held && tries < most_holds && project_positions(state, projection_) == 0; ++tries)
     is_held = !find_depths(i);
   projection_.walls.clear();
-  if (!is_held && may_press && strain_ != Strain::none) {
+  // Where nothing holds it out, it may be brought to where nothing is.
+  is_held = is_held && farthest() <= moved + most_pushed * depth;
+  if (!is_held && moved <= most_drawn * depth && strain_ != Strain::none) {
     state.strain = Strain::pressed;
     return false;
   }
