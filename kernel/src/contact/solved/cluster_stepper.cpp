@@ -63,6 +63,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
+  halvings_ = 0;
   tight_ = is_fitted_ = is_buckled_ = is_stopped_ = is_squeezed_ = has_looked_ahead_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake && !cluster[0]->lengths.move();
   const double start = cluster.front()->elapsed;

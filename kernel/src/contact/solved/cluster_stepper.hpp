@@ -384,7 +384,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Array<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                ///< which elastics are slack is known from the last try
   bool takes_end_ = false;                  ///< elastics gained energy, so that they are to damp
-  int switches_ = 0;                        ///< how often that was changed in this substep
+  int switches_ = 0, halvings_ = 0;         ///< how often that was changed in it; those of this step
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   bool rests_ = false;        ///< nothing is faster than what may sleep, as the substep begins

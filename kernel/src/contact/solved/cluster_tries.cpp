@@ -91,9 +91,9 @@ bool has_run_away(const LinkageState& state, const LinkageMotion& before, double
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
 /// twice, with a loose grip, and relaxed. Then it is tried whole again, with ground that is swept and with
-/// overlaps that yield to each other, and at last halved on. Where rods do not fit, all that is left of the
-/// step is relaxed. Returns its length. It is 0 if nothing was found: what cannot be solved stays where it
-/// is, and keeps what motion is common to it.
+/// overlaps that yield to each other, and at last halved on. Where rods do not fit, or heavy balls would sink
+/// through what yields, all that is left of the step is relaxed. Returns its length. It is 0 if nothing was
+/// found: what cannot be solved stays where it is, and keeps what motion is common to it.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
@@ -126,10 +126,11 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       continue;
     }
     // Halving goes on from where it was.
-    if (std::exchange(loose_, false)) h = halved;
-    h /= 2;
+    h = (std::exchange(loose_, false) ? halved : h) / 2;
     ++report.halvings;
-    if (h < shortest_ && overload_.state == nullptr && will_come_taut())
+    if (++halvings_ > most_if_driven && overload_.state == nullptr && surroundings.any_moves())
+      strain_ = Strain::pressed;
+    if (strain_ == Strain::pressed || (h < shortest_ && overload_.state == nullptr && will_come_taut()))
       return solve_strained(cluster, surroundings, report);
     // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
     may_sink_ = !is_lone || h < std::max(least_sunk * whole, least / 16);
@@ -149,7 +150,6 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       return solve_strained(cluster, surroundings, report);
     h = whole;
   }
-  // What yields would let heavy balls through.
   if (!is_watched || kept_of_overlaps_ == 1 || !has_ball_sunk(most_approach * thinness(cluster))) return h;
   return_to_motion(cluster);
   return solve_strained(cluster, surroundings, report);
