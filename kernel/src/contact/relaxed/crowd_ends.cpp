@@ -210,7 +210,7 @@ void CrowdEnds<T>::see_bounces(const Crowd<T>& crowd, double h) {
     End& end = ends_[lane];
     end.kick = 0;
     end.approach = relaxed_approach_of(field(lane, fields::gap), dot(normal, crowd.moved(place(lane))),
-                               dot(normal, crowd.velocity(place(lane))), h);
+                                       dot(normal, crowd.velocity(place(lane))), h);
     end.bounce = bounce_of(restitution_[lane], settings_.bounce_speed, end.approach);
   });
 }
