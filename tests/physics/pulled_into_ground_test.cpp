@@ -24,7 +24,7 @@ Scene make_crane(std::uint32_t rods, const RodLaw& law, double aside, bool is_bo
   Scene scene;
   scene.particles = {test::fixed({0, 3, 0})};
   for (std::uint32_t i = 1; i <= rods; ++i) {
-    const double along = double{1} * i / rods;
+    const double along = 1.0 * i / rods;
     scene.particles.push_back(
         test::movable({aside * along, 3 - 2.5 * along, 0}, i == rods && !is_box ? mass : 0.1));
     scene.rods.push_back({.a = i - 1, .b = i, .law = law});

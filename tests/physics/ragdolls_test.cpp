@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "plumb/plumb.hpp"
+#include "support/bodies.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
 namespace {
@@ -85,15 +86,8 @@ TEST(Ragdoll, StaysWholeBelowALift) {
       }
       EXPECT_EQ(total.frozen_islands, 0u);
       double open = 0;
-      for (const Pin& pin : scene.pins) {
-        const auto place = [&](const Point& point) {
-          Vec3 out{};
-          for (std::size_t i = 0; i < point.particles.size(); ++i)
-            out += point.weights[i] * world.position(point.particles[i]);
-          return out;
-        };
-        open = std::max(open, norm(place(pin.a) - place(pin.b)));
-      }
+      for (const Pin& pin : scene.pins)
+        open = std::max(open, norm(test::place_of(world, pin.a) - test::place_of(world, pin.b)));
       EXPECT_LT(open, 1e-6);
     }
 }

@@ -42,14 +42,19 @@ void GroundNow::find(const Surroundings& surroundings, double time) {
 }
 
 void GroundNow::find_corners() {
-  corners_.clear();
-  normals_.clear();
-  if (cube_->is_empty()) return;
-  for (const Surroundings::Solid& box : boxes_) {
-    for (const Vec3 v : cube_->vertices())
-      corners_.push_back(box.center +
-                         box.frame.to_space({v.x * box.half.x, v.y * box.half.y, v.z * box.half.z}));
-    for (const Vec3 n : cube_->shape(0).normals) normals_.push_back(box.frame.to_space(n));
+  const std::size_t corners = cube_->vertices().size(), faces = cube_->parts().faces();
+  corners_.resize(boxes_.size() * corners);
+  normals_.resize(boxes_.size() * faces);
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const Surroundings::Solid& box = boxes_[i];
+    if (!box.motion.platform) continue;
+    for (std::size_t k = 0; k < corners; ++k) {
+      const Vec3 v = cube_->vertices()[k];
+      corners_[i * corners + k] =
+          box.center + box.frame.to_space({v.x * box.half.x, v.y * box.half.y, v.z * box.half.z});
+    }
+    for (std::size_t k = 0; k < faces; ++k)
+      normals_[i * faces + k] = box.frame.to_space(cube_->shape(0).normals[k]);
   }
 }
 

@@ -51,7 +51,7 @@ class GroundNow {
   Array<Surroundings::Solid> moved_boxes_;
   Array<Segment> segments_;
   Array<Vec3> anchors_;            ///< m, by particle
-  Array<Vec3> corners_, normals_;  ///< of all boxes, if some are on platforms
+  Array<Vec3> corners_, normals_;  ///< by box, of those on platforms
   Array<Vec3> ends_;               ///< m, of the middles of shapes on anchors
   const ConvexHull* cube_ = nullptr;
   Array<GroundRate> plane_rates_, box_rates_, segment_rates_;

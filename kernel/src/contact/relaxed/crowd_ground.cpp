@@ -121,18 +121,20 @@ std::uint32_t CrowdContacts<T>::cuts(const Crowd<T>& crowd, double h) const {
     for (const std::array<double, 4>& corner : hull.shape->corners)
       most = std::max(most, h * norm(weighted(corner, velocities)) / (farthest * hull.shape->half_width));
   };
-  const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
+  const auto see_numbered = [&](std::uint32_t number) {
+    if (const auto hull = near_.hull(number)) see(near_.hulls()[*hull]);
+  };
   for (const Pair& pair : near_.hulls_on_ground()) see(near_.hulls()[pair.one]);
   for (const std::span<const Pair> pairs : {near_.on_boxes(), near_.on_segments()})
-    for (const Pair& pair : pairs)
-      if (const auto hull = near_.hull(pair.one)) see(near_.hulls()[*hull]);
+    for (const Pair& pair : pairs) see_numbered(pair.one);
   for (const Pair& pair : near_.hull_pairs())
-    for (const std::uint32_t i : {pair.one, pair.other})
-      if (i >= lines) see(near_.hulls()[i - lines]);
+    for (const std::uint32_t i : {pair.one, pair.other}) see_numbered(i);
   const Hull* last = nullptr;  // corners of a hull follow each other
   for (const Pair& pair : near_.on_planes())
     if (const Ball& ball = near_.balls()[pair.one]; ball.body == none)
-      if (const Hull* const hull = near_.hull_of(ball); hull && hull != std::exchange(last, hull)) see(*hull);
+      if (const Hull* const hull = near_.hull_of(ball.island, ball.ball->shape);
+          hull && hull != std::exchange(last, hull))
+        see(*hull);
   return static_cast<std::uint32_t>(std::ceil(std::min(most, most_cuts)));
 }
 
@@ -220,8 +222,7 @@ void CrowdContacts<T>::touch_hulls_and_ground(const Substep& in) {
 
 template <class T>
 PlacedShape CrowdContacts<T>::placed(const Crowd<T>& crowd, std::uint32_t number) {
-  const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
-  if (number >= lines) return {placed_hulls_, number - lines};
+  if (const auto hull = near_.hull(number)) return {placed_hulls_, *hull};
   const Body& body = near_.bodies()[number];
   const Segment line = motion_of(crowd, body).at;
   return {*body.shape, body.number, line.p, line.q};

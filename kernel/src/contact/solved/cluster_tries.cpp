@@ -310,21 +310,6 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Brings the rods of a cluster to their lengths, once in a step, before it is tried again: a substep may
-/// have failed because rods that are off their lengths do not fit to what else resists. Returns false, and
-/// nothing has moved, where they were at their lengths or cannot be brought there.
-bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
-  if (std::exchange(is_fitted_, true)) return false;
-  keep_motion(cluster);
-  bool moves = false;
-  if (bring_to_lengths(surroundings))
-    for (std::size_t i = 0; i < cluster.size(); ++i)
-      for (std::size_t k = 0; k < cluster[i]->x.size(); ++k)
-        moves = moves || norm(cluster[i]->x[k] - before_[i].x[k]) > unfitting * cluster[i]->linkage->size();
-  if (!moves) return_to_motion(cluster);
-  return moves;
-}
-
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
   if (before_.size() < cluster.size()) before_.resize(cluster.size());
   for (std::size_t i = 0; i < cluster.size(); ++i) {

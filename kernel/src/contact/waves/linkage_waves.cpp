@@ -55,8 +55,7 @@ void Linkage::find_taut_rods(const Scene& part) {
   for (std::size_t i = 0; i < elastics_.size(); ++i) {
     const Elastic& each = elastics_[i];
     const Combination& apart = each.sums[0];
-    // Of rods that are rigid until they break or hang slack. Their multipliers are less than 0 where they
-    // pull.
+    // Of rods that are rigid until they break or hang slack.
     const bool is_rod = each.kind == Elastic::Kind::distance && apart.count == 2 &&
                         std::abs(apart.terms[0].weight) == 1 && std::abs(apart.terms[1].weight) == 1;
     if (is_rod && std::isinf(elastic_laws_[i].stiffness))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
@@ -50,16 +51,13 @@ void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uin
 template <class T>
 const std::array<std::uint32_t, 4>* body_under(const CrowdPairs<T>& near, std::uint32_t island,
                                                std::uint32_t number) {
-  const auto find = [&](const auto& list, auto&& number_of) {
-    const auto at = std::partition_point(list.begin(), list.end(), [&](const auto& each) {
-      return each.island < island || (each.island == island && number_of(each) < number);
-    });
-    return at != list.end() && at->island == island && number_of(*at) == number ? &*at : nullptr;
-  };
-  if (const auto* const hull = find(near.hulls(), [](const auto& each) { return each.shape->number; }))
-    return &hull->shape->particles;
-  const auto* const body = find(near.bodies(), [](const auto& each) { return each.number; });
-  return body != nullptr && body->turns ? &body->shape->turners : nullptr;
+  if (const auto* const hull = near.hull_of(island, number)) return &hull->shape->particles;
+  const auto bodies = near.bodies();  // in the same order
+  const auto at = std::partition_point(bodies.begin(), bodies.end(), [&](const auto& each) {
+    return std::pair{each.island, each.number} < std::pair{island, number};
+  });
+  const bool is_there = at != bodies.end() && at->island == island && at->number == number;
+  return is_there && at->turns ? &at->shape->turners : nullptr;
 }
 
 }  // namespace plumb::detail

@@ -80,9 +80,9 @@ class CrowdPairs {
   std::span<const Body> bodies() const { return bodies_; }
   std::span<const Ball> balls() const { return balls_; }
   std::span<const Hull> hulls() const { return hulls_; }
-  /// Returns the hull that a ball is a corner of, or nothing. Hulls are ordered by island and number.
-  const Hull* hull_of(const Ball& ball) const {
-    const std::pair name{ball.island, ball.ball->shape};
+  /// Returns the hull of an island with this number among its shapes, or nothing. Hulls are ordered by both.
+  const Hull* hull_of(std::uint32_t island, std::uint32_t shape) const {
+    const std::pair name{island, shape};
     const auto name_of = [](const Hull& hull) { return std::pair{hull.island, hull.shape->number}; };
     const auto at =
         std::lower_bound(hulls_.begin(), hulls_.end(), name,

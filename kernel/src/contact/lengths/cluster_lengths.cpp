@@ -1,0 +1,169 @@
+// This file brings rods to their lengths where relaxation has left them off, and out of ground.
+
+#include <algorithm>
+#include <utility>
+
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+/// Takes rods back to where they were off their lengths, before they were brought to them.
+void ClusterStepper::keep_strain() {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!islands_[i].awake) continue;
+    islands_[i].state->x = islands_[i].there;
+    islands_[i].state->strain = std::max(islands_[i].state->strain, Strain::drawn);
+  }
+}
+
+/// Finds the ground that an island touches or is near where it is, as contacts.
+void ClusterStepper::find_ground_now(std::uint32_t i) {
+  Island& island = islands_[i];
+  const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
+  const std::size_t terms = island.terms.size();
+  island.d.assign(island.state->x.size(), Vec3{});
+  island.v = island.state->v;
+  island.ground.clear();
+  missed_ground_.clear();
+  find_bounds(island);
+  touch_planes(i, h);
+  touch_ground(i, h);
+  touch_boxes(i, h);
+  touch_anchored(i, h);
+  recovery_rate_ = rate;
+  left_out_.clear();
+  island.terms.resize(terms);
+}
+
+/// Lists planes that an island may not go through from where it is, wherever it is brought to: from within
+/// something thin the nearest way out may be on its other side.
+void ClusterStepper::find_walls(std::uint32_t i) {
+  find_ground_now(i);
+  Island& island = islands_[i];
+  island.ground.for_all([&](const GroundContact& contact) {
+    const double now = dot(contact.normal, contact.at.of(island.state->x));
+    projection_.walls.push_back({contact.at, contact.normal, std::min(now, now - contact.gap)});
+  });
+  island.ground.clear();
+}
+
+/// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
+/// held out of it. Returns whether it is.
+bool ClusterStepper::find_depths(std::uint32_t i) {
+  find_ground_now(i);
+  Island& island = islands_[i];
+  bool is_deeper = false;
+  deepest_ = 0;
+  island.ground.for_all([&](const GroundContact& contact) {
+    deepest_ = std::max(deepest_, -contact.gap);
+    const double now = dot(contact.normal, contact.at.of(island.state->x));
+    const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
+    if (least <= now + settings_.slop) return;
+    projection_.holds.push_back({contact.at, contact.normal, least});
+    is_deeper = true;
+  });
+  for (const Hold& wall : projection_.walls) {
+    const double depth = wall.least - dot(wall.along, wall.at.of(island.state->x));
+    if (depth <= settings_.slop) continue;
+    deepest_ = std::max(deepest_, depth);
+    projection_.holds.push_back(wall);
+    is_deeper = true;
+  }
+  island.ground.clear();
+  return is_deeper;
+}
+
+/// Returns whether what was relaxed for h (s) lies deeper in ground than in before_.
+bool ClusterStepper::have_sunk(double h) {
+  const auto deepest = [&] {
+    double out = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (!islands_[i].awake) continue;
+      find_depths(i);
+      out = std::max(out, deepest_);
+    }
+    return out;
+  };
+  const auto swap_places = [&] {
+    for (std::uint32_t i = 0; i < count_; ++i) std::swap(islands_[i].state->x, before_[i].x);
+  };
+  swap_places();
+  ground_.find(*surroundings_, now_);
+  const double was = deepest();
+  swap_places();
+  ground_.find(*surroundings_, now_ + h);
+  return deepest() > was + settings_.tolerance;
+}
+
+/// Brings the rods of an island to their lengths from where it is, which may leave a violation of `most`, and
+/// out of ground that it is in more than at Island::there. What is to be held is among holds already. Returns
+/// false where rods are too far from their lengths, or something passed ground on its way. Rods that may keep
+/// what they lack do so rather than press something into ground, unless that is by far the less.
+bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  if (strain_ != Strain::none) find_walls(i);
+  if (!(project_positions(state, projection_) <= most)) {
+    projection_.walls.clear();
+    return false;
+  }
+  const auto farthest = [&] {
+    double out = 0;
+    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+      out = std::max(out, norm(state.x[k] - island.there[k]));
+    return out;
+  };
+  const double moved = farthest();
+  bool is_held = !find_depths(i);
+  const double depth = deepest_;
+  for (int tries = 0; !is_held && tries < most_holds && project_positions(state, projection_) == 0; ++tries)
+    is_held = !find_depths(i);
+  projection_.walls.clear();
+  // Where nothing holds it out, it may be brought to where nothing is.
+  is_held = is_held && farthest() <= moved + most_pushed * depth;
+  if (!is_held && moved <= most_drawn * depth && strain_ != Strain::none) {
+    state.strain = Strain::pressed;
+    return false;
+  }
+  gives_up_missed_ = gives_up_missed_ || deepest_ > settings_.slop;
+  if (passes_ground(island, surroundings)) return false;
+  project_velocities(state, projection_);
+  std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+  state.energy.reset();
+  return true;
+}
+
+/// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
+bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const LinkageState& state = *islands_[i].state;
+    islands_[i].awake = !state.asleep && !state.frozen;
+    if (!islands_[i].awake) continue;
+    islands_[i].there = state.x;
+    projection_.holds.clear();
+    const bool fits = bring_to_lengths(i, most_left, surroundings);
+    if (!fits && strain_ == Strain::none) return false;
+    if (!fits) islands_[i].state->x = islands_[i].there;
+    islands_[i].state->strain = fits ? Strain::none : std::max(state.strain, Strain::drawn);
+  }
+  return true;
+}
+
+/// Brings the rods of a cluster to their lengths, once in a step, before it is tried again: a substep may
+/// have failed because rods that are off their lengths do not fit to what else resists. Returns false, and
+/// nothing has moved, where they were at their lengths or cannot be brought there.
+bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
+  if (std::exchange(is_fitted_, true)) return false;
+  keep_motion(cluster);
+  bool moves = false;
+  if (bring_to_lengths(surroundings))
+    for (std::size_t i = 0; i < cluster.size(); ++i)
+      for (std::size_t k = 0; k < cluster[i]->x.size(); ++k)
+        moves = moves || norm(cluster[i]->x[k] - before_[i].x[k]) > unfitting * cluster[i]->linkage->size();
+  if (!moves) return_to_motion(cluster);
+  return moves;
+}
+
+}  // namespace plumb::detail
