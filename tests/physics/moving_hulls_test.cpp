@@ -169,6 +169,33 @@ TEST(MovingHulls, ArePressedWhereTheyAre) {
       }
 }
 
+// A crane presses a crate against a ceiling. Substeps of that are cut as often, and it moves alike to the
+// bit, whether ground moves far away or not.
+TEST(MovingHulls, ArePressedAlikeWhateverMovesFarAway) {
+  std::array<Vec3, 2> ends;
+  std::array<std::uint64_t, 2> halvings{};
+  for (const std::size_t moves : {0u, 1u}) {
+    Scene scene;
+    scene.particles = {test::fixed({0, 3, 0}), test::movable({0, 0.5, 0}, 0.1)};
+    scene.rods = {{.a = 0, .b = 1}};
+    test::add_box(scene, {0, 0.3, 0}, {0.2, 0.2, 0.2}, 20, {});
+    scene.pins.push_back({point_at(1), point_on_body(scene, 0, {0, 0.5, 0})});
+    scene.boxes.push_back({.center = {0, 1.2, 0}, .half_size = {1, 0.05, 1}});
+    scene.platforms.emplace_back();
+    scene.boxes.push_back({.center = {50, 0, 0}, .half_size = {1, 1, 1}, .motion = {.platform = 0}});
+    World world(scene, {.threads = 1});
+    for (int i = 1; i <= 90; ++i) {
+      world.move_anchor(0, {0, 3 + 0.5 * i * frame, 0});
+      world.move_platform(0, {.position = {0, 0.1 * static_cast<double>(moves) * i * frame, 0}});
+      halvings[moves] += world.step(frame).halvings;
+    }
+    ends[moves] = world.position(1);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+  EXPECT_EQ(halvings[0], halvings[1]);
+  EXPECT_GT(halvings[0], 256u) << "it is hard to solve";
+}
+
 // A door is a box with two corners on anchors, where a bar holds its hinge, too. They do not touch.
 TEST(MovingHulls, DoNotTouchTheBarTheyHangOn) {
   Scene scene;

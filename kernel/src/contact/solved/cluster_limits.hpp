@@ -49,9 +49,9 @@ inline constexpr double balanced = 1e-9, faint = 1e-6;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;
-/// A step in which ground moves is halved so often before rods may be off their lengths. What it presses
-/// against other ground would be halved on for a tenth of a second.
-inline constexpr int most_if_driven = 128;
+/// A step in which ground moves a cluster is halved so often before rods may be off their lengths. What it
+/// presses against other ground would be halved on for a tenth of a second.
+inline constexpr int most_if_pressed = 128;
 /// What could not be solved is a crowd for so many steps.
 inline constexpr std::uint8_t patience = 15;
 /// A step is cut into at most this many substeps because one would gain energy.

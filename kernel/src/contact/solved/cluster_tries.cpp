@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/linkage/linkage_bounds.hpp"
 #include "contact/rows.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -61,6 +62,14 @@ bool have_springs(std::span<LinkageState* const> cluster) {
 bool has_balls(std::span<LinkageState* const> cluster) {
   return std::any_of(cluster.begin(), cluster.end(),
                      [](const LinkageState* state) { return state->linkage->movable() == 1; });
+}
+
+/// Returns whether ground may move what it touches.
+bool is_on_moving(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
+  return std::any_of(cluster.begin(), cluster.end(), [&](const LinkageState* state) {
+    const Bounds around = bounds_of(*state->linkage, state->x, state->linkage->size());
+    return surroundings.move_under(around, state->linkage->filters());
+  });
 }
 
 /// Returns the thinness (m) of the thinnest thing.
@@ -128,7 +137,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     // Halving goes on from where it was.
     h = (std::exchange(loose_, false) ? halved : h) / 2;
     ++report.halvings;
-    if (++halvings_ > most_if_driven && overload_.state == nullptr && surroundings.any_moves())
+    if (++halvings_ > most_if_pressed && overload_.state == nullptr && is_on_moving(cluster, surroundings))
       strain_ = Strain::pressed;
     if (strain_ == Strain::pressed || (h < shortest_ && overload_.state == nullptr && will_come_taut()))
       return solve_strained(cluster, surroundings, report);
