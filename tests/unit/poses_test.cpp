@@ -69,6 +69,23 @@ TEST(Poses, TakePlacesOfABodyToWhereTheyAre) {
   EXPECT_LT(most_turned, 0.1) << "no body has turned far, so that this test does not say much";
 }
 
+// Newton's iteration for what mirrors would end at a reflection, which no quaternion is.
+TEST(Poses, OfAMirrorImageAreRotations) {
+  const Scene scene = flying(5, 4);
+  const detail::BodyPoses poses(scene);
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
+    std::array<Vec3, 4> at;
+    for (std::size_t k = 0; k < 4; ++k) {
+      at[k] = scene.particles[scene.bodies[i].particles[k]].position;
+      at[k].y = -at[k].y;
+    }
+    const auto [w, x, y, z] = poses.pose(i, at).orientation;
+    EXPECT_NEAR(w * w + x * x + y * y + z * z, 1, 1e-14);
+    const BodyMotion motion = poses.motion(i, at, {});
+    EXPECT_EQ(motion.spin, Vec3{});
+  }
+}
+
 // A ball turns as fast as it did: after a time t by spin t, in quaternions cos(|spin| t / 2).
 TEST(Poses, OfABallThatSpinsTurnEvenly) {
   Scene scene;

@@ -9,14 +9,18 @@
 /// This file describes places by their weights on four points.
 namespace plumb::detail {
 
-/// Returns six times the volume of the tetrahedron, relative to its longest edge cubed. It is 0 if all points
+/// Returns six times the volume of the tetrahedron, in m³. Its mirror image has that with the other sign.
+inline double signed_volume(const std::array<Vec3, 4>& p) {
+  return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]));
+}
+
+/// Returns the size of that, relative to its longest edge cubed. It is 0 if all points
 /// are in one place.
 inline double relative_volume(const std::array<Vec3, 4>& p) {
   double longest = 0;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, norm(p[i] - p[j]));
-  const double volume = dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]));
-  return longest > 0 ? std::abs(volume) / (longest * longest * longest) : 0;
+  return longest > 0 ? std::abs(signed_volume(p)) / (longest * longest * longest) : 0;
 }
 
 /// Returns the sum of four vectors, each times its weight.

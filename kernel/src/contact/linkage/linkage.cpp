@@ -216,6 +216,8 @@ void Linkage::weigh(const Scene& part, Use use) {
     const auto& particles = part.bodies[i].particles;
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t k = 0; k < 4; ++k) add(particles[j], particles[k], mass[j][k]);
+    BodyShape& shape = bodies_.emplace_back(BodyShape{particles, {}});
+    for (std::size_t j = 0; j < 4; ++j) shape.places[j] = part.particles[particles[j]].position;
   }
   nominal_masses_ = masses_;
   weigh_flat_bodies(part, use);

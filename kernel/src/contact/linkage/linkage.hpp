@@ -10,6 +10,7 @@
 #include "contact/elastics/bend_elastics.hpp"
 #include "contact/elastics/elastic.hpp"
 #include "contact/pulls/linkage_pulls.hpp"
+#include "contact/shapes/body_shape.hpp"
 #include "contact/shapes/hulls/convex.hpp"
 #include "contact/shapes/neighbors.hpp"
 #include "linear/sparse_kkt.hpp"
@@ -128,6 +129,7 @@ class Linkage {
   const KktPlan& plan() const { return plan_; }
   std::span<const Shape> shapes() const { return shapes_; }
   std::span<const HullShape> hulls() const { return hulls_; }
+  std::span<const BodyShape> bodies() const { return bodies_; }
   /// Returns a shape or a hull by its number.
   const Shape& shape_of(std::uint32_t number) const {
     return number < shapes_.size() ? shapes_[number] : hulls_[number - shapes_.size()];
@@ -139,12 +141,10 @@ class Linkage {
   /// Returns the filters of all shapes, each once.
   std::span<const Filter> filters() const { return filters_; }
   std::span<const Angle> angles() const { return angles_; }
-  /// Returns what acts on them as the scene says.
-  std::span<const AngleRule> angle_rules() const { return angle_rules_; }
+  std::span<const AngleRule> angle_rules() const { return angle_rules_; }  ///< as the scene says
   /// Elastics are of rods that give, angles with drives or dampers, springs, torsions and bends, in order.
   std::span<const Elastic> elastics() const { return elastics_; }
-  /// Returns how they pull as the scene says.
-  std::span<const ElasticLaw> elastic_laws() const { return elastic_laws_; }
+  std::span<const ElasticLaw> elastic_laws() const { return elastic_laws_; }  ///< as the scene says
   /// Says which elastics a spring, a torsion or an angle is, by its number in the part. An angle may be none.
   struct ElasticRange {
     std::uint32_t first = 0, count = 0;
@@ -155,8 +155,7 @@ class Linkage {
   std::span<const BendElastics> bends() const { return bends_; }
   bool is_of_bend(std::size_t elastic) const;
   std::size_t first_grab() const { return first_grab_; }  ///< the first of the elastics that grabs are
-  /// Returns whether some rod may break.
-  bool breaks() const { return breaks_; }
+  bool breaks() const { return breaks_; }                 ///< Some rod may.
   /// Returns how many rods give, the first elastics, and which of them the part's rod `number` is, or none.
   std::size_t giving_rods() const { return giving_rods_.size(); }
   std::optional<std::size_t> elastic_of_rod(std::uint32_t number) const;
@@ -378,6 +377,7 @@ class Linkage {
   Array<Air> airs_;
   Array<Shape> shapes_;
   Array<HullShape> hulls_;
+  Array<BodyShape> bodies_;
   Neighbors neighbors_;
   Array<Ball> balls_;
   Array<Filter> filters_;

@@ -7,9 +7,11 @@
 
 #include "contact/platforms/anchored.hpp"
 #include "plumb/joints.hpp"
+#include "scene/barycentric.hpp"
 #include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -73,6 +75,7 @@ class Likeness {
     add(part.bodies.size());
     for (std::size_t i = 0; i < part.bodies.size(); ++i) {
       for (const std::uint32_t particle : part.bodies[i].particles) add(particle);
+      add(signed_volume(detail::positions_of(part, part.bodies[i].particles)) > 0);  // it is no mirror image
       for (const auto& line : body_mass(part, i))
         for (const double mass : line) add(mass);
     }

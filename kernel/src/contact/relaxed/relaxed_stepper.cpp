@@ -145,6 +145,7 @@ void RelaxedStepper<T>::gather(std::span<LinkageState* const> cluster, const Sur
                                double dt) {
   crowd_.gather(cluster, rules_);
   joints_.gather(cluster, crowd_);
+  bodies_.gather(cluster, crowd_);
   contacts_.find(cluster, crowd_, surroundings, ground_, dt, recovery_rate_);
 }
 
@@ -197,6 +198,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     ++report.mid_guarded;
   }
   crowd_.advance(h, gradient);
+  freeze_broken(cluster, report);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
   if (gradient == Gradient::new_) guard_energy(cluster, before, h, bounces, report);
@@ -204,15 +206,20 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   count_pulls(cluster, gradient, h);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
-  const bool may_be_broken = !crowd_.is_finite();
+  for (std::uint32_t i = 0; i < cluster.size(); ++i)
+    if (crowd_.is_moving(i)) cluster[i]->keep_given();
+  return true;
+}
+
+/// Freezes islands that are not finite where they were, which states still say.
+template <class T>
+void RelaxedStepper<T>::freeze_broken(std::span<LinkageState* const> cluster, Tally& report) {
+  if (crowd_.is_finite()) return;
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-    if (!crowd_.is_moving(i)) continue;
-    cluster[i]->keep_given();
-    if (!may_be_broken || !crowd_.stop_if_broken(*cluster[i], i)) continue;
+    if (!crowd_.is_moving(i) || !crowd_.stop_if_broken(*cluster[i], i)) continue;
     cluster[i]->freeze();
     ++report.frozen_islands;
   }
-  return true;
 }
 
 /// Predicts by the gradient of a substep, and returns it. What flies gets the blow of what changes its speed;
@@ -322,6 +329,14 @@ bool RelaxedStepper<T>::begin_momentum() {
   return true;
 }
 
+/// Sweeps once over what holds islands together.
+template <class T>
+void RelaxedStepper<T>::sweep_held(Gradient gradient) {
+  crowd_.sweep(rod_kernels(), gradient, counts_);
+  joints_.sweep(crowd_);
+  bodies_.right(crowd_);
+}
+
 template <class T>
 void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   const StopRule& stop = rules_.stop;
@@ -343,8 +358,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
       reason = StoppedBy::budget;
       break;
     }
-    crowd_.sweep(rod_kernels(), gradient, counts_);
-    joints_.sweep(crowd_);
+    sweep_held(gradient);
     if (stop.tolerance)
       left = contacts_.measured_sweep(crowd_, team_);
     else
@@ -358,6 +372,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     is_swept_on_ = is_swept_on_ || more > 0;
     done += more;
   }
+  bodies_.right(crowd_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();
   report.stopped_by = std::max(report.stopped_by, reason);
@@ -369,8 +384,7 @@ std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
   const double most = most_violated(), deepest = is_hit_ ? settings_.tolerance : settings_.margin;
   std::uint32_t done = 0;
   for (; done < most_hit_sweeps && crowd_.violation(rod_kernels()) > most; ++done) {
-    crowd_.sweep(rod_kernels(), gradient, counts_);
-    joints_.sweep(crowd_);
+    sweep_held(gradient);
     contacts_.sweep(crowd_, team_);
   }
   const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, most_sweeps_);

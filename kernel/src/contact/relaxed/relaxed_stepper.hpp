@@ -3,6 +3,7 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/blows/crowd_blows.hpp"
+#include "contact/relaxed/bodies/crowd_bodies.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
@@ -12,9 +13,10 @@ namespace plumb::detail {
 
 /// Moves islands that touch, or may within a step, through that step by weighted relaxation (thesis eq. 4.7).
 ///
-/// In every sweep rods come first, colour after colour, then joints, then contacts, so that what a sweep
-/// leaves is in rods and not in the ground. While something may touch, a substep is of gradient new: its
-/// velocities are those that it took, so that what lands comes to rest. So it is where something is elastic.
+/// In every sweep rods come first, colour after colour, then joints, then bodies that are inside out, then
+/// contacts, so that what a sweep leaves is in rods and not in the ground. While something may touch, a
+/// substep is of gradient new: its velocities are those that it took, so that what lands comes to rest. So it
+/// is where something is elastic.
 ///
 /// What is fast is swept against ground and others, and kept off the planes in which it touches first. Blows
 /// are swept on until rods fit, or else in halves of the substep, so that nothing is torn open.
@@ -70,7 +72,9 @@ class RelaxedStepper final : public ClusterMover {
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
   void begin_rows(std::span<LinkageState* const> cluster, double h);
+  void freeze_broken(std::span<LinkageState* const> cluster, Tally& report);
   bool begin_momentum();
+  void sweep_held(Gradient gradient);
   void solve(Gradient gradient, Tally& report);
   void brake_joints(std::span<LinkageState* const> cluster, double h);
 
@@ -86,6 +90,7 @@ class RelaxedStepper final : public ClusterMover {
   GroundNow ground_;  ///< as the substep starts
   CrowdContacts<T> contacts_;
   CrowdJoints<T> joints_;
+  CrowdBodies<T> bodies_;
   CrowdBlows<T> blows_;
   Array<Vec3> rigid_;
   SweepMomentum<T> momentum_;

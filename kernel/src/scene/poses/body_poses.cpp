@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/nearest_rotation.hpp"
+#include "plumb/joints.hpp"
 #include "scene/barycentric.hpp"
 
 namespace plumb::detail {
@@ -57,6 +59,32 @@ std::array<Lanes<count>, 3> centers_of(const Corners<count>& vectors,
   return out;
 }
 
+/// Makes rotations of those matrices that mirror, or nearly so, as bodies that are relaxed may for a moment.
+/// Newton's iteration would end at a reflection.
+template <std::size_t count>
+void right(Matrices<count>& of) {
+  constexpr double least_volume = 1e-3;
+  const auto& [xx, xy, xz, yx, yy, yz, zx, zy, zz] = of;
+  bool are_fine = true;
+  Lanes<count> volumes;
+  for (std::size_t k = 0; k < count; ++k) {
+    volumes[k] = xx[k] * (yy[k] * zz[k] - yz[k] * zy[k]) + xy[k] * (yz[k] * zx[k] - yx[k] * zz[k]) +
+                 xz[k] * (yx[k] * zy[k] - yy[k] * zx[k]);
+    are_fine = are_fine & (volumes[k] > least_volume);
+  }
+  if (are_fine) return;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (volumes[k] > least_volume) continue;
+    const auto column = [&](std::size_t i) { return Vec3{of[i][k], of[i + 3][k], of[i + 6][k]}; };
+    const auto axes = axes_of(nearest_rotation({column(0), column(1), column(2)}));
+    for (std::size_t i = 0; i < 3; ++i) {
+      of[i][k] = axes[i].x;
+      of[i + 3][k] = axes[i].y;
+      of[i + 6][k] = axes[i].z;
+    }
+  }
+}
+
 /// Makes of matrices that nearly are rotations the rotations nearest to them, by Newton's iteration for the
 /// polar decomposition (Higham, SIAM J. Sci. Stat. Comput. 7, 1986). An error of 1e-8 is rounding a step
 /// later, so that one step is enough but where sweeps left a strain.
@@ -64,6 +92,7 @@ template <std::size_t count>
 void make_rotations(Matrices<count>& of) {
   // No square has a root above 1e-8 that is not above this. So no root need be taken.
   constexpr double least_change = 1e-8 * 1e-8;
+  right<count>(of);
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8] = of;
   Matrices<count> next;
   Lanes<count> changes, squares;
