@@ -119,6 +119,7 @@ class Linkage {
   }
   std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size() + giving_rods_.size()); }
   std::uint32_t constraints() const { return constraints_; }
+  bool is_net() const { return rods() > particles_ && bodies_.empty(); }
   /// Numbers of particles from `first` up to `end`: all, the movable and the fixed ones.
   struct Range {
     std::uint32_t first, end;
@@ -130,8 +131,7 @@ class Linkage {
   std::span<const Shape> shapes() const { return shapes_; }
   std::span<const HullShape> hulls() const { return hulls_; }
   std::span<const BodyShape> bodies() const { return bodies_; }
-  /// Returns a shape or a hull by its number.
-  const Shape& shape_of(std::uint32_t number) const {
+  const Shape& shape_of(std::uint32_t number) const {  ///< or a hull
     return number < shapes_.size() ? shapes_[number] : hulls_[number - shapes_.size()];
   }
   const Neighbors& neighbors() const { return neighbors_; }  ///< which shapes may touch each other

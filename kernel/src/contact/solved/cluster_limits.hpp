@@ -102,6 +102,13 @@ inline constexpr double rough = 0.3;
 /// A substep sweeps its contacts at most this often before the first correction, and a quarter as often after
 /// one.
 inline constexpr int most_sweeps = 60;
+/// What touches a net is swept so often, and so far, before every correction: one of a net takes as long as
+/// some fifty sweeps. A ball that is heavier than what catches it takes a hundred.
+inline constexpr int most_sweeps_on_net = 200;
+inline constexpr double rough_on_net = 0.1;
+/// A substep of a cluster with nets is no longer than the one before if that had to be halved, and else so
+/// many times as long at most. What is tried in vain takes as long as what is not.
+inline constexpr double grows_on_net = 1.5;
 /// So many sweeps have no momentum, since most substeps need no more.
 inline constexpr int sweeps_alone = 10;
 /// Where directions are not those of the start, what sweeps change turns pulls, so that corrections wait for

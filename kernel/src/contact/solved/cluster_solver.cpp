@@ -16,10 +16,11 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
   const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? 10 : 1) * still_) return left;
-  const int most = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4;
+  const int usual = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4;
+  const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : usual;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
   left = sweep_positions<Sweep::pushes>();
-  const double till = std::max(still_, rough * left);
+  const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
   ++sweeps;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, sweeps);
   for (std::uint32_t i = 0; i < count_; ++i) {

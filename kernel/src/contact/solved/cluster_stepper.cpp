@@ -57,6 +57,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   }
   rows_.clear();  // Those of another cluster, or of another step, are none of this one's.
   for (LinkageState* const state : cluster) state->is_relaxed = state->is_pushed_out = false;
+  has_nets_ = std::any_of(cluster.begin(), cluster.end(),
+                          [](const LinkageState* state) { return state->linkage->is_net(); });
   now_ = cluster.front()->elapsed;
   if (relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   left_ = dt;
@@ -89,11 +91,15 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
       left_ -= h;
       continue;
     }
+    const double tried = h;
     h = solve(cluster, surroundings, h, least, report);
     if (h == 0) break;
     ++report.direct_substeps;
     left_ -= h;
-    if (islands_[0].state->on_ground) likely = 2 * h;
+    if (has_nets_)
+      likely = (h < tried ? 1 : grows_on_net) * h;
+    else if (islands_[0].state->on_ground)
+      likely = 2 * h;
   }
   for (LinkageState* const state : cluster) state->free_waves();
 }

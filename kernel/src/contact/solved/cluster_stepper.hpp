@@ -374,8 +374,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
   bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
-  bool has_momentum_ = false;                          ///< sweeps go on the way they went
-  double kept_of_overlaps_ = 1;                        ///< the share of their pushes that sweeps keep
+  bool has_momentum_ = false, has_nets_ = false;  ///< sweeps go on the way they went; some island is a net
+  double kept_of_overlaps_ = 1;                   ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;     ///< the last try found no positions, rather than that something gained energy
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
