@@ -86,6 +86,11 @@ struct ClusterRows {
    private:
     double pace_ = 1;
   };
+  /// Sweeps come in rounds, with a correction after each.
+  struct Rounds {
+    int most = 0;            ///< so many sweeps has the next one at most
+    double left = INFINITY;  ///< m or rad, what the last one left
+  };
   /// A free particle that a contact's rows act on.
   struct FreeTerm {
     Vec3* motion;      ///< m or m/s

@@ -99,8 +99,8 @@ inline constexpr double tighter = 1e-2;
 /// for corrections, which change about as much. A share of 0.1 costs 4 % of the step and leaves no smaller
 /// error.
 inline constexpr double rough = 0.3;
-/// A substep sweeps its contacts at most this often before the first correction, and a quarter as often after
-/// one.
+/// A substep sweeps its contacts at most this often before a correction. After one it begins with a quarter
+/// of that, which is doubled beyond few_rows where it was not enough but came much closer.
 inline constexpr int most_sweeps = 60;
 /// What touches a net is swept so often, and so far, before every correction: one of a net takes as long as
 /// some fifty sweeps. A ball that is heavier than what catches it takes a hundred.

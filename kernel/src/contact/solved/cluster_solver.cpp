@@ -16,13 +16,16 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
   const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? 10 : 1) * still_) return left;
-  const int usual = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4;
-  const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : usual;
+  const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : rounds_.most;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
   ++sweeps;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, sweeps);
+  // What contradicts itself comes no closer, however often it is swept.
+  if (left > till && is_crowded())
+    rounds_.most = left < much_better * rounds_.left ? std::min(2 * most, most_sweeps) : most_sweeps / 4;
+  rounds_.left = left;
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
@@ -105,6 +108,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
   Closing closing;
   bool is_patient = false;
   for (int correction = 0; correction < (is_patient ? most_patient_corrections : most); ++correction) {
+    if (correction <= 1) rounds_ = {.most = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4};
     const double left = sweep(correction, sweeps);
     closing.see(left);
     is_patient = closing.goes_on() && last <= 10 * exact && correction + 1 < most_patient_corrections;

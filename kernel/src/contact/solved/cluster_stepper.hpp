@@ -368,8 +368,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
   Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
-  bool woken_ = false, all_near_ = false,
-       may_touch_ = false;                             ///< something pushes in it, or is near enough to
+  bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: in this substep
   bool looks_for_crowd_ = false;                       ///< what presses in many places is relaxed instead
   bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
@@ -385,6 +384,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool keeps_slack_ = false;                ///< which elastics are slack is known from the last try
   bool takes_end_ = false;                  ///< elastics gained energy, so that they are to damp
   int switches_ = 0, halvings_ = 0;         ///< how often that was changed in it; those of this step
+  Rounds rounds_;
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   bool rests_ = false;        ///< nothing is faster than what may sleep, as the substep begins
