@@ -51,14 +51,13 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   if (islands_.size() < count_) islands_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].state = cluster[i];
+    has_nets_ = (i > 0 && has_nets_) || cluster[i]->linkage->is_net();
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
     islands_[i].theta = 0;
     islands_[i].ground.clear();
   }
   rows_.clear();  // Those of another cluster, or of another step, are none of this one's.
   for (LinkageState* const state : cluster) state->is_relaxed = state->is_pushed_out = false;
-  has_nets_ = std::any_of(cluster.begin(), cluster.end(),
-                          [](const LinkageState* state) { return state->linkage->is_net(); });
   now_ = cluster.front()->elapsed;
   if (relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   left_ = dt;
@@ -96,10 +95,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     if (h == 0) break;
     ++report.direct_substeps;
     left_ -= h;
-    if (has_nets_)
-      likely = (h < tried ? 1 : grows_on_net) * h;
-    else if (islands_[0].state->on_ground)
-      likely = 2 * h;
+    if (has_nets_ || islands_[0].state->on_ground)
+      likely = h * (!has_nets_ ? 2 : h < tried ? 1 : grows_on_net);
   }
   for (LinkageState* const state : cluster) state->free_waves();
 }
