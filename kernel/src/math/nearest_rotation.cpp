@@ -33,27 +33,27 @@ std::array<double, 4> nearest_rotation(const std::array<Vec3, 3>& columns) {
   const auto& [x, y, z] = columns;
   const double size = std::sqrt(dot(x, x) + dot(y, y) + dot(z, z));
   const double over = size > 0 ? 1 / size : 0;
-  Matrix4 k{{{x.x + y.y + z.z, y.z - z.y, z.x - x.z, x.y - y.x},
-             {y.z - z.y, x.x - y.y - z.z, x.y + y.x, x.z + z.x},
-             {z.x - x.z, x.y + y.x, y.y - x.x - z.z, y.z + z.y},
-             {x.y - y.x, x.z + z.x, y.z + z.y, z.z - x.x - y.y}}};
-  for (auto& row : k)
-    for (double& each : row) each *= over;
+  Matrix4 davenport{{{x.x + y.y + z.z, y.z - z.y, z.x - x.z, x.y - y.x},
+                     {y.z - z.y, x.x - y.y - z.z, x.y + y.x, x.z + z.x},
+                     {z.x - x.z, x.y + y.x, y.y - x.x - z.z, y.z + z.y},
+                     {x.y - y.x, x.z + z.x, y.z + z.y, z.z - x.x - y.y}}};
+  for (auto& numbers : davenport)
+    for (double& each : numbers) each *= over;
   Matrix4 vectors{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::size_t q = 1; q < 4; ++q)
-      for (std::size_t p = 0; p < q; ++p) rotate(k, vectors, p, q);
+      for (std::size_t p = 0; p < q; ++p) rotate(davenport, vectors, p, q);
   std::size_t largest = 0;
   for (std::size_t i = 1; i < 4; ++i)
-    if (k[i][i] > k[largest][largest]) largest = i;
+    if (davenport[i][i] > davenport[largest][largest]) largest = i;
   std::array<double, 4> out;
   double square = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     out[i] = vectors[i][largest];
     square += out[i] * out[i];
   }
-  const double scale = (out[0] < 0 ? -1 : 1) / std::sqrt(square);
-  for (double& each : out) each *= scale;
+  const double to_unit = (out[0] < 0 ? -1 : 1) / std::sqrt(square);
+  for (double& each : out) each *= to_unit;
   return out;
 }
 
