@@ -88,8 +88,8 @@ struct ClusterRows {
   };
   /// Sweeps come in rounds, with a correction after each.
   struct Rounds {
-    int most = 0;            ///< so many sweeps has the next one at most
-    double left = INFINITY;  ///< m or rad, what the last one left
+    int most = 0;            ///< sweeps of the next one, at most
+    double left = INFINITY;  ///< m or rad, the last change of the one before
   };
   /// A free particle that a contact's rows act on.
   struct FreeTerm {

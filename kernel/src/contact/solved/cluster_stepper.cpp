@@ -49,9 +49,10 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   surroundings_ = &surroundings;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
+  has_nets_ = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].state = cluster[i];
-    has_nets_ = (i > 0 && has_nets_) || cluster[i]->linkage->is_net();
+    has_nets_ = has_nets_ || (cluster[i]->linkage->has_loops() && cluster[i]->linkage->bodies().empty());
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
     islands_[i].theta = 0;
     islands_[i].ground.clear();

@@ -368,7 +368,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
   Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
-  bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: in this substep
+  bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: something pushes, or is near
   bool looks_for_crowd_ = false;                       ///< what presses in many places is relaxed instead
   bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends

@@ -14,10 +14,6 @@ using namespace contact_limits;
 
 namespace {
 
-bool has_loops(const Linkage& linkage) {
-  return linkage.rods() > linkage.particles();
-}
-
 /// Returns whether a cluster is one line of rods. Alone it is no crowd, however often it cannot be solved.
 bool is_line(std::span<LinkageState* const> cluster) {
   constexpr std::uint32_t of_line = 2;  // colours of rods, where none has two at an end
@@ -31,9 +27,9 @@ bool is_crowd(std::span<LinkageState* const> cluster) {
   std::size_t touching = 0;
   for (const LinkageState* const state : cluster) {
     if (state->relax_for > 0 && !is_line(cluster)) return true;
-    const bool is_net = has_loops(*state->linkage);
+    const bool has_loops = state->linkage->has_loops();
     for (const KeptContact& each : state->kept)
-      touching += is_net ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
+      touching += has_loops ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
   }
   return touching > few_touching;
 }
@@ -300,7 +296,7 @@ bool ClusterStepper::presses_as_crowd() const {
     return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
   });
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (const Island& island = islands_[i]; island.awake && has_loops(*island.state->linkage))
+    if (const Island& island = islands_[i]; island.awake && island.state->linkage->has_loops())
       island.ground.for_all([&](const GroundContact& each) {
         pressed += each.gap + dot(each.normal, each.at.of(island.d)) < 0;
       });

@@ -59,22 +59,15 @@ std::array<Lanes<count>, 3> centers_of(const Corners<count>& vectors,
   return out;
 }
 
-/// Makes rotations of those matrices that mirror, or nearly so, as bodies that are relaxed may for a moment.
-/// Newton's iteration would end at a reflection.
+/// Makes rotations of those matrices that mirror by their volumes, or nearly so, as bodies that are relaxed
+/// may for a moment. Newton's iteration would end at a reflection. Returns whether there are any.
 template <std::size_t count>
-void right(Matrices<count>& of) {
+bool right(Matrices<count>& of, const Lanes<count>& volumes) {
   constexpr double least_volume = 1e-3;
-  const auto& [xx, xy, xz, yx, yy, yz, zx, zy, zz] = of;
-  bool are_fine = true;
-  Lanes<count> volumes;
-  for (std::size_t k = 0; k < count; ++k) {
-    volumes[k] = xx[k] * (yy[k] * zz[k] - yz[k] * zy[k]) + xy[k] * (yz[k] * zx[k] - yx[k] * zz[k]) +
-                 xz[k] * (yx[k] * zy[k] - yy[k] * zx[k]);
-    are_fine = are_fine & (volumes[k] > least_volume);
-  }
-  if (are_fine) return;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (volumes[k] > least_volume) continue;
+  bool any = false;
+  for (const double volume : volumes) any = any | (volume <= least_volume);
+  for (std::size_t k = 0; any && k < count; ++k) {
+    if (!(volumes[k] <= least_volume)) continue;
     const auto column = [&](std::size_t i) { return Vec3{of[i][k], of[i + 3][k], of[i + 6][k]}; };
     const auto axes = axes_of(nearest_rotation({column(0), column(1), column(2)}));
     for (std::size_t i = 0; i < 3; ++i) {
@@ -83,6 +76,7 @@ void right(Matrices<count>& of) {
       of[i + 6][k] = axes[i].z;
     }
   }
+  return any;
 }
 
 /// Makes of matrices that nearly are rotations the rotations nearest to them, by Newton's iteration for the
@@ -92,17 +86,17 @@ template <std::size_t count>
 void make_rotations(Matrices<count>& of) {
   // No square has a root above 1e-8 that is not above this. So no root need be taken.
   constexpr double least_change = 1e-8 * 1e-8;
-  right<count>(of);
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8] = of;
   Matrices<count> next;
-  Lanes<count> changes, squares;
+  Lanes<count> changes, squares, volumes;
   changes.fill(1);
   for (int step = 0; step < 16; ++step) {
     for (std::size_t k = 0; k < count; ++k) {
       const double xx = m0[k], xy = m1[k], xz = m2[k], yx = m3[k], yy = m4[k], yz = m5[k], zx = m6[k],
                    zy = m7[k], zz = m8[k];
       const double c0 = yy * zz - yz * zy, c1 = yz * zx - yx * zz, c2 = yx * zy - yy * zx;
-      const double over = 1 / (xx * c0 + xy * c1 + xz * c2);
+      volumes[k] = xx * c0 + xy * c1 + xz * c2;
+      const double over = 1 / volumes[k];
       const double n0 = 0.5 * (xx + over * c0), n1 = 0.5 * (xy + over * c1), n2 = 0.5 * (xz + over * c2);
       const double n3 = 0.5 * (yx + over * (zy * xz - zz * xy)), n4 = 0.5 * (yy + over * (zz * xx - zx * xz)),
                    n5 = 0.5 * (yz + over * (zx * xy - zy * xx));
@@ -123,6 +117,7 @@ void make_rotations(Matrices<count>& of) {
       next[7][k] = n7;
       next[8][k] = n8;
     }
+    if (right<count>(of, volumes)) continue;
     bool is_done = true;
     for (std::size_t k = 0; k < count; ++k) {
       const bool goes_on = changes[k] > least_change;
