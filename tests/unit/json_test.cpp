@@ -47,6 +47,11 @@ TEST(Json, IsWrittenAsTheLibraryWritesIt) {
   EXPECT_EQ(ours.dump_indented(), theirs.dump(2));
 }
 
+TEST(Json, WritesBytesThatAreNoTextAsUnknownCharacters) {
+  EXPECT_EQ(Json("\x89PNG").dump(), "\"\ufffdPNG\"");
+  EXPECT_EQ(Json{std::string("last read: '\xc3'")}.dump(), "\"last read: '\ufffd'\"");
+}
+
 TEST(Json, KeepsTheOrderOfItsMembersAndTheLastValueOfEach) {
   Json json{{"b", 1}, {"a", 2}};
   json["b"] = 3;

@@ -203,6 +203,17 @@ TEST_F(ViewServer, OutlivesTornConnectionsAndTurnsSecondPagesAway) {
   EXPECT_NE(visitor.read("</html>").find("<canvas"), std::string::npos);
 }
 
+// A reader of JSON quotes what it could not read, which may be a part of a character.
+TEST_F(ViewServer, TellsWhyAFileOfAnotherKindIsNoScene) {
+  Visitor page(server_.port());
+  page.send(upgrade());
+  (void)page.read("\"kind\":\"menu\"");
+  for (const std::string file : {"\ufffdPNG\ufffd", "\u00e9lan", "GIF89a"}) {
+    page.ask(R"({"do":"load","name":"x","value":")" + file + "\"}");
+    EXPECT_NE(page.read("not JSON").find("x: not JSON"), std::string::npos) << file;
+  }
+}
+
 constexpr Limits of_sleepers{
     .most_untaken = 4, .most_waiting_bytes = 16'384, .until_asleep = std::chrono::milliseconds(200)};
 

@@ -8,8 +8,9 @@
 namespace plumb::scenes {
 namespace {
 
+/// Spells a text. What is not UTF-8, as part of a file of another kind that a message quotes, becomes U+FFFD.
 std::string spelled(std::string_view text) {
-  return nlohmann::json(text).dump();
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ class Json {
   Json(Number value) : Json(whole(static_cast<std::int64_t>(value))) {}
   template <std::unsigned_integral Number>
   Json(Number value) : Json(whole(static_cast<std::uint64_t>(value))) {}
+  /// Bytes of a text that are not UTF-8 are written as U+FFFD.
   Json(std::string_view value);
   Json(const std::string& value) : Json(std::string_view(value)) {}
   Json(const char* value) : Json(std::string_view(value)) {}
