@@ -89,6 +89,33 @@ TEST(Frames, TakeNewParticles) {
   EXPECT_EQ(frames.before()[6], world.position(6));
 }
 
+// A number that another particle had leads from nowhere else to where the new one is.
+TEST(Frames, TakeParticlesThatGetTheNumbersOfOthers) {
+  Scene scene = scenes::load_scene("chain:links=3"), other = scene;
+  for (Particle& particle : other.particles) particle.position += {20, 0, 0};
+  for (const int steps_between : {0, 1, 3}) {
+    World world(scene);
+    world.add(other);
+    Frames frames;
+    const auto step = [&] {
+      world.step(1.0 / 60);
+      frames.update(world);
+    };
+    step();
+    world.remove(2);
+    for (int i = 0; i < steps_between; ++i) {
+      step();
+      EXPECT_EQ(frames.before()[2], Vec3{}) << "what is gone was where it is";
+    }
+    other.particles[1].position.y += 1e-3;
+    ASSERT_EQ(world.add(other).particle, 0u);
+    step();
+    for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(frames.before()[i], world.position(i)) << i;
+    EXPECT_EQ(frames.moved()[0].first, 0u);
+    EXPECT_NE(frames.before()[6], world.position(6)) << "others keep what they had";
+  }
+}
+
 TEST(Frames, RefuseWhatDoesNotFit) {
   World world(scenes::load_scene("chain:links=3"));
   Frames frames;

@@ -207,11 +207,11 @@ class PLUMB_API World {
   void set_gravity(Vec3 gravity);
   /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
   /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are solved directly is
-  /// taken out, as at a start, and what is wound goes on so. Joints are not looked at.
+  /// taken out, as at a start, and what is wound goes on so. Joints are not looked at. What is moved wakes up,
+  /// and so does what lies on its shapes.
   ///
-  /// Throws InputError on lists of other sizes, on particles that are unknown or listed twice, on places that
-  /// are not finite, and on islands with a reel. It also does on a rigid rod that would be off its length by
-  /// more than it is, and 10^-6 of it.
+  /// Throws InputError on lists of other sizes, particles that are unknown or listed twice, places that are
+  /// not finite and islands with a reel. So it does on a rod that would be 10^-6 of its length further off.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
@@ -243,8 +243,7 @@ class PLUMB_API World {
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
   template <class Item>
   Handle<Item> handle(std::uint32_t number) const;
-  /// Returns the number of such an item. Throws InputError on a handle that names none, or one that was
-  /// removed.
+  /// Returns the number of such an item. Throws InputError on a handle that names none, or none any more.
   template <class Item>
   std::uint32_t number(Handle<Item> item) const;
   /// Returns whether a handle names an item that was not removed.
@@ -385,6 +384,7 @@ class PLUMB_API World {
 
  private:
   friend class Drawing;
+  friend class Frames;
   friend class Queries;
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -108,13 +108,29 @@ Array<MadeSolver::Place> ContactSolver::places() const {
 
 void ContactSolver::wake_carried() {
   woken_.clear();
-  if (!surroundings_.any_moves()) return;
+  if (surroundings_.any_moves()) wake_those([&](const LinkageState& state) { return is_carried(state); });
+}
+
+/// Wakes islands that sleep, of which is_meant(state).
+template <class IsMeant>
+void ContactSolver::wake_those(IsMeant&& is_meant) {
   for (const LinkageState& state : states_) {
-    if (!state.asleep || state.linkage == nullptr || !is_carried(state)) continue;
+    if (!state.asleep || state.linkage == nullptr || !is_meant(state)) continue;
     clusters_.wake(state.number);
     if (const Visitor& visitor = visitors_[state.number]; visitor.is_at_home())
       woken_.push_back({visitor.number(), visitor.first_slot()});
   }
+}
+
+void ContactSolver::put_anchors(std::span<const std::uint32_t> anchors, std::span<const Vec3> positions) {
+  woken_.clear();
+  const auto is_beside = [&](const LinkageState& state) {
+    return surroundings_.anchored.reach_into(bounds_of(*state.linkage, state.x, settings_.margin), anchors,
+                                             state.linkage->filters());
+  };
+  wake_those(is_beside);
+  for (std::size_t k = 0; k < anchors.size(); ++k) surroundings_.anchored.put(anchors[k], positions[k]);
+  wake_those(is_beside);
 }
 
 /// Returns whether ground moves where an island is.
@@ -325,6 +341,7 @@ void ContactSolver::move_anchor(Slot slot, const AnchorMove& move) {
 
 void ContactSolver::place_anchor(Slot slot, Vec3 target) {
   LinkageState& state = state_of(slot);
+  if (state.x[local(slot)] != target) clusters_.wake(state.number);
   state.x[local(slot)] = target;
   state.v[local(slot)] = {};
   state.factored = false;

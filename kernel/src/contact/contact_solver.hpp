@@ -170,12 +170,15 @@ class ContactSolver final : public Solver {
     surroundings_.begin_step(dt);
     wake_carried();
   }
+  /// Puts fixed particles elsewhere (m), which wakes what sleeps where shapes on them were and where they
+  /// are.
+  void put_anchors(std::span<const std::uint32_t> anchors, std::span<const Vec3> positions);
   /// Ends a step, whether anything was awake in it or not.
   void after_step() {
     surroundings_.end_step();
     list_contacts();
   }
-  /// Names the islands at home that the last begin_ground() has woken.
+  /// Names the islands at home that the last begin_ground() or put_anchors() has woken.
   std::span<const Return> woken() const { return woken_; }
 
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
@@ -346,6 +349,8 @@ class ContactSolver final : public Solver {
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
   bool is_fixed(Slot slot) const { return local(slot) >= state_of(slot).linkage->movable(); }
   void wake_carried();
+  template <class IsMeant>
+  void wake_those(IsMeant&& is_meant);
   bool is_carried(const LinkageState& state) const;
   bool rests(std::span<LinkageState* const> cluster, double dt) const;
   std::span<LinkageState* const> cluster(std::uint32_t piece) const { return clusters_[pieces_[piece]]; }

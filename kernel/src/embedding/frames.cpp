@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/refuse.hpp"
+#include "step/world_impl.hpp"
 
 namespace plumb {
 
@@ -13,15 +14,24 @@ void Frames::update(const World& world) {
   now_.resize(world.particle_count());
   world.copy_positions(now_);
   before_.resize(now_.size());
-  if (known < now_.size())
-    std::copy(now_.begin() + static_cast<std::ptrdiff_t>(known), now_.end(),
-              before_.begin() + static_cast<std::ptrdiff_t>(known));
+  const std::span<const std::uint32_t> generations = world.impl_->step->population().particles.generations();
+  const auto of = [](std::span<const std::uint32_t> all, std::size_t i) {
+    return i < all.size() ? all[i] : 1;
+  };
+  const bool may_differ = !generations.empty() || !generations_.empty();
+  const auto is_other = [&](std::size_t i) {
+    return i >= known || (may_differ && of(generations, i) != of(generations_, i));
+  };
   moved_.clear();
-  const auto has_moved = [&](std::size_t i) { return i >= known || now_[i] != before_[i]; };
+  const auto has_moved = [&](std::size_t i) {
+    if (is_other(i)) before_[i] = now_[i];
+    return is_other(i) || now_[i] != before_[i];
+  };
   for (std::size_t i = 0, end = 0; i < now_.size(); i = end + 1) {
     for (end = i; end < now_.size() && has_moved(end);) ++end;
     if (end > i) moved_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(end - i)});
   }
+  generations_.assign(generations.begin(), generations.end());
 }
 
 template <class Real>

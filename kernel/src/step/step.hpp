@@ -295,6 +295,8 @@ class Step : public InMemory {
   };
   template <class At>
   void keep_lengths(Array<Motion>& motions, At&& at) const;
+  template <class At>
+  void put_anchors(std::span<const std::uint32_t> particles, At&& at);
   void require_fit_of_fixed(std::uint32_t particle) const;
   void require_kept_between_fixed(std::uint32_t rod, std::uint32_t particle) const;
   double misfit_now(std::uint32_t rod, double distance) const;

@@ -41,8 +41,9 @@ struct ParticleRange {
 /// rate, by less than one step late.
 class PLUMB_API Frames {
  public:
-  /// Takes positions as they are now. Those of before are then the ones that it had. Particles that are new
-  /// were where they are. Allocates only if the world has more particles than ever before.
+  /// Takes positions as they are now. Those of before are then the ones that it had. Particles that are new,
+  /// by a number that others had or not, were where they are, and so were removed ones. Allocates only if the
+  /// world has more particles than ever before, or numbers that others had for the first time.
   void update(const World& world);
 
   /// Returns positions (m) of the last update.
@@ -72,6 +73,7 @@ class PLUMB_API Frames {
   void write(const StridedVectors<Real>& out, double share, std::span<const ParticleRange> ranges) const;
 
   std::vector<Vec3> now_, before_;
+  std::vector<std::uint32_t> generations_;  ///< Of numbers, as handles have them; empty while all are 1.
   std::vector<ParticleRange> moved_;
 };
 

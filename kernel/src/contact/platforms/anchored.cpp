@@ -4,9 +4,23 @@
 
 #include "contact/levers/lever.hpp"
 #include "contact/levers/shape_maker.hpp"
+#include "contact/surroundings.hpp"
 #include "scene/validate_bodies.hpp"
 
 namespace plumb::detail {
+
+namespace {
+
+/// Calls f(anchor) for the fixed particles that hold a shape.
+template <class F>
+void for_anchors(const Linkage::Shape& shape, F&& f) {
+  for (const ShapePlace* const sum : {&shape.a, &shape.b})
+    for (std::uint32_t i = 0; i < sum->count; ++i) f(sum->terms[i].particle);
+  if (shape.turning == Linkage::Shape::Turning::body)
+    for (const std::uint32_t anchor : shape.turners) f(anchor);
+}
+
+}  // namespace
 
 bool is_anchored(const Scene& scene, const Capsule& capsule) {
   return !moves(scene, capsule.a) && !moves(scene, capsule.b);
@@ -19,17 +33,29 @@ Anchored::Anchored(const Scene& scene) {
   const ShapeMaker maker(scene);
   for (const Capsule& capsule : scene.capsules) {
     if (!is_anchored(scene, capsule)) continue;
-    const Linkage::Shape& shape = shapes_.emplace_back(maker.make(capsule));
-    for (const ShapePlace& sum : {shape.a, shape.b})
-      for (std::uint32_t i = 0; i < sum.count; ++i) anchors_.push_back(sum.terms[i].particle);
-    if (shape.turning == Linkage::Shape::Turning::body)
-      anchors_.insert(anchors_.end(), shape.turners.begin(), shape.turners.end());
+    for_anchors(shapes_.emplace_back(maker.make(capsule)),
+                [&](std::uint32_t anchor) { anchors_.push_back(anchor); });
   }
   std::sort(anchors_.begin(), anchors_.end());
   anchors_.erase(std::unique(anchors_.begin(), anchors_.end()), anchors_.end());
   x_.resize(scene.particles.size());
   v_.resize(scene.particles.size());
   for (const std::uint32_t anchor : anchors_) x_[anchor] = scene.particles[anchor].position;
+}
+
+bool Anchored::reach_into(const Bounds& bounds, std::span<const std::uint32_t> anchors,
+                          std::span<const Filter> filters) const {
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    bool is_held = false;
+    for_anchors(shapes_[i], [&](std::uint32_t anchor) {
+      is_held = is_held || std::find(anchors.begin(), anchors.end(), anchor) != anchors.end();
+    });
+    const Segment there = segment(i, x_);
+    if (is_held && may_touch(filters, shapes_[i].filter) &&
+        grown(box_around(there.p, there.q), there.radius).overlaps(bounds))
+      return true;
+  }
+  return false;
 }
 
 void Anchored::find_positions(double t, Array<Vec3>& x) const {

@@ -5,6 +5,7 @@
 
 #include "contact/linkage/linkage.hpp"
 #include "contact/platforms/ground_rate.hpp"
+#include "contact/shapes/bounds.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/layouts/memory.hpp"
 
@@ -24,6 +25,14 @@ class Anchored {
     x_[anchor] = position;
     v_[anchor] = velocity;
   }
+  /// Puts one elsewhere between two steps.
+  void put(std::uint32_t anchor, Vec3 position) {
+    if (anchor < x_.size()) x_[anchor] = position;
+  }
+  /// Returns whether a shape that one of `anchors` holds, and shapes with such filters may touch, reaches
+  /// into a box.
+  bool reach_into(const Bounds& bounds, std::span<const std::uint32_t> anchors,
+                  std::span<const Filter> filters) const;
   /// Returns where particles are (m) at the step's start. Those of anchors() are known.
   std::span<const Vec3> positions() const { return x_; }
   /// Finds where anchors are `t` (s) later.

@@ -23,6 +23,8 @@ class Numbers {
   std::uint32_t generation(std::uint32_t number) const {
     return generations_.empty() ? 1 : generations_[number];
   }
+  /// Returns those of all numbers; none while all are the first ones.
+  std::span<const std::uint32_t> generations() const { return generations_; }
   bool has(std::uint32_t number) const { return generation(number) % 2 == 1; }
   /// Returns whether the first that ever had a number has it still.
   bool is_first(std::uint32_t number) const { return generation(number) == 1; }

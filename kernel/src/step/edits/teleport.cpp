@@ -138,6 +138,27 @@ void Step::keep_lengths(Array<Motion>& motions, At&& at) const {
   for (std::size_t k = 0; k < motions.size() && !velocities.empty(); ++k) motions[k].velocity = velocities[k];
 }
 
+/// Puts those of some particles that are fixed to at(particle), and wakes what hangs from them or lies on
+/// them.
+template <class At>
+void Step::put_anchors(std::span<const std::uint32_t> particles, At&& at) {
+  Array<std::uint32_t> anchors;
+  Array<Vec3> positions;
+  for (const std::uint32_t particle : particles) {
+    if (!anchors_.is_fixed(particle)) continue;
+    anchors.push_back(particle);
+    positions.push_back(at(particle));
+    anchors_.put(particle, positions.back());
+    for (const Place& place : compiled_.places.of(particle)) {
+      solver(place).place_anchor(place.slot, positions.back());
+      sleep_.wake(compiled_.solvers, place);
+    }
+  }
+  if (!compiled_.contact) return;
+  compiled_.contact->put_anchors(anchors, positions);
+  for (const auto& [home, slot] : compiled_.contact->woken()) sleep_.wake(compiled_.solvers, {home, slot});
+}
+
 void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                     std::span<const Vec3> velocities) {
   breaks_.begin();
@@ -163,12 +184,7 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
     for (const std::uint32_t each : breaks_.island_at(particle))
       if (!anchors_.is_fixed(each) && seen.emplace(each, true).second) add(each);
   keep_lengths(motions, at);
-  for (std::size_t k = 0; k < particles.size(); ++k) {
-    if (!anchors_.is_fixed(particles[k])) continue;
-    anchors_.put(particles[k], positions[k]);
-    for (const Place& place : compiled_.places.of(particles[k]))
-      solver(place).place_anchor(place.slot, positions[k]);
-  }
+  put_anchors(particles, at);
   Array<double> substeps;
   for (const Motion& motion : motions) {
     put_force(motion.particle, loads_.force(motion.particle));  // which wakes it
