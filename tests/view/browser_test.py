@@ -138,6 +138,16 @@ def check_sliders(view):
     assert moved == set(every) and "set-gravity" in moved, (moved, every)
 
 
+def check_end_mass(view):
+    """Who moves the first slider sees why weights by mass matter, also at its end."""
+    for value in ["max", "value"]:
+        view.js("const e = document.getElementById('set-end_mass'); e.dataset.kept ??= e.value;"
+                "e.value = arguments[0] === 'max' ? e.max : e.dataset.kept;"
+                "for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind))", value)
+        view.until("window.plumb.frame.frame < 30", "worlds start again")
+        view.until("document.getElementById('verdict').textContent.startsWith('By mass moves as')", "the page says what is seen")
+
+
 def check_hands(view):
     canvas = view.browser.find_element(By.ID, "view")
     last = view.js("return window.plumb.frame.sides[0].positions.length / 3 - 1")
@@ -218,7 +228,7 @@ def check_film(view, folder):
 
 def check_refusals(view):
     """What is no scene, a second page and a server that is gone are told in words."""
-    view.js("const d = new DataTransfer(); d.items.add(new File(['no scene'], 'letter.txt'));"
+    view.js("const d = new DataTransfer(); d.items.add(new File(['élan vital'], 'letter.txt'));"
             "dispatchEvent(new DragEvent('drop', { dataTransfer: d }))")
     view.until("document.getElementById('note').textContent.includes('letter.txt')", "a letter is no scene")
     view.goes_on()
@@ -305,6 +315,7 @@ def check_page(plumb, folder):
     try:
         with View(plumb, browser, "--compare", "mass against equal") as view:
             assert len(view.js("return window.plumb.frame.sides")) == 3
+            check_end_mass(view)
             check_hands(view)
             view.click("reset")
             view.pause(False)

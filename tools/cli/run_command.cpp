@@ -239,6 +239,7 @@ int repeat(const std::string& file) {
     std::printf("%-9s %s %s\n", "state", hashes[i].c_str(), end.sides()[i].name().c_str());
   std::fflush(stdout);
   if (hashes != replay.hashes) throw CheckFailed("the bits differ from those of when the replay was saved");
+  std::printf("%-9s the same as when it was saved\n", "bits");
   return fine;
 }
 

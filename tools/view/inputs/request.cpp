@@ -13,14 +13,16 @@ struct VerbName {
   Verb verb;
   std::string_view name;
 };
-constexpr std::array verbs{
-    VerbName{Verb::set, "set"},      VerbName{Verb::pull, "pull"},        VerbName{Verb::release, "release"},
-    VerbName{Verb::cut, "cut"},      VerbName{Verb::fix, "fix"},          VerbName{Verb::free, "free"},
-    VerbName{Verb::reel, "reel"},    VerbName{Verb::throw_ball, "throw"}, VerbName{Verb::play, "play"},
-    VerbName{Verb::pause, "pause"},  VerbName{Verb::step, "step"},        VerbName{Verb::speed, "speed"},
-    VerbName{Verb::reset, "reset"},  VerbName{Verb::load, "load"},        VerbName{Verb::compare, "compare"},
-    VerbName{Verb::add_side, "add"}, VerbName{Verb::drop_side, "drop"},   VerbName{Verb::values, "values"},
-    VerbName{Verb::record, "record"}};
+constexpr std::array verbs{VerbName{Verb::set, "set"},         VerbName{Verb::pull, "pull"},
+                           VerbName{Verb::release, "release"}, VerbName{Verb::cut, "cut"},
+                           VerbName{Verb::fix, "fix"},         VerbName{Verb::free, "free"},
+                           VerbName{Verb::reel, "reel"},       VerbName{Verb::throw_ball, "throw"},
+                           VerbName{Verb::play, "play"},       VerbName{Verb::pause, "pause"},
+                           VerbName{Verb::step, "step"},       VerbName{Verb::speed, "speed"},
+                           VerbName{Verb::reset, "reset"},     VerbName{Verb::defaults, "defaults"},
+                           VerbName{Verb::load, "load"},       VerbName{Verb::compare, "compare"},
+                           VerbName{Verb::add_side, "add"},    VerbName{Verb::drop_side, "drop"},
+                           VerbName{Verb::values, "values"},   VerbName{Verb::record, "record"}};
 
 Verb verb_of(const std::string& name) {
   for (const VerbName& each : verbs)

@@ -26,6 +26,7 @@ enum class Verb : std::uint8_t {
   step,
   speed,
   reset,
+  defaults,
   load,
   compare,
   add_side,

@@ -9,6 +9,9 @@ const unit = (a) => scaled(1 / (Math.hypot(...a) || 1), a);
 export const vec = { subtract, cross, dot, scaled, plus, unit };
 
 const FIELD = 0.7; // rad, of the smaller side of the view
+const SHARE = 0.85; // of what the view shows, in which things are kept
+const PACE = 0.08; // the share of the way that the view goes in a picture
+const MOST_SEEN = 500; // particles that are looked at for that
 
 export class Camera {
   constructor() {
@@ -21,9 +24,27 @@ export class Camera {
   /** Shows all of a ball. */
   frame(center, radius) {
     this.target = [...center];
+    this.radius = Math.max(radius, 1e-3);
     this.distance = (1.06 * Math.max(radius, 1e-3)) / Math.sin(FIELD / 2);
     this.yaw = 0.35;
     this.pitch = 0.16;
+  }
+
+  /** Goes after what leaves the view, as far as it has to, until somebody moves or zooms it. */
+  follow(positions) {
+    if (!this.radius) return;
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const every = 3 * Math.ceil(positions.length / 3 / MOST_SEEN);
+    for (let i = 0; i < positions.length; i += every)
+      for (let c = 0; c < 3; ++c) {
+        low[c] = Math.min(low[c], positions[i + c]);
+        high[c] = Math.max(high[c], positions[i + c]);
+      }
+    const away = subtract(scaled(0.5, plus(low, high)), this.target);
+    const beyond = Math.hypot(...away) + 0.5 * Math.hypot(...subtract(high, low)) - SHARE * this.radius;
+    const far = Math.hypot(...away);
+    if (!(beyond > 0) || !Number.isFinite(far) || far === 0) return;
+    this.target = plus(this.target, scaled((PACE * Math.min(beyond, far)) / far, away));
   }
 
   orbit(dx, dy) {
@@ -32,10 +53,12 @@ export class Camera {
   }
 
   zoom(factor) {
+    this.radius = 0;
     this.distance = Math.min(1e6, Math.max(1e-3, this.distance * factor));
   }
 
   pan(dx, dy, height) {
+    this.radius = 0;
     const { right, up } = this.axes();
     const s = (2 * this.distance * Math.tan(FIELD / 2)) / height;
     this.target = plus(this.target, plus(scaled(-dx * s, right), scaled(dy * s, up)));

@@ -7,18 +7,18 @@ import { Recording } from "./film/record.js";
 import { Hands } from "./hands.js";
 import { decodeFrame, hashText, requests } from "./messages.js";
 import { Panel, showKey } from "./panel.js";
-import { Plot } from "./plots.js";
+import { Plot } from "./measured/plots.js";
 import { connect } from "./socket.js";
+import { counterRows, short, stageRows } from "./measured/tables.js";
+import { percentText, verdict } from "./measured/verdict.js";
 
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
-const short = (value, digits = 3) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5
-  ? value.toExponential(1) : String(Number(value.toPrecision(digits))));
 const plots = {
   distance: new Plot(byId("plot-distance"), { unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
-  strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-12, unit: "largest strain", text: (v) => v.toExponential(0) }),
+  strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-12, unit: "largest strain", text: (v) => short(100 * v, 1) + " %" }),
   energy: new Plot(byId("plot-energy"), { floor: -1, unit: "change of energy in joules", text: (v) => short(v) + " J" }),
   time: new Plot(byId("plot-time"), { unit: "time of a step in milliseconds", text: (v) => short(v, 2) + " ms",
                                       line: { value: 16.7, text: "16.7 ms" } }),
@@ -35,6 +35,12 @@ function note(text, refused = false, stays = false) {
   if (!stays) noteTimer = setTimeout(() => { box.hidden = true; }, 6000);
 }
 
+/** Shows a note. What was refused is no longer shown as if it had been taken. */
+function hear({ text, refused }) {
+  note(text, refused);
+  if (refused && painter?.model) panel.showGenerator(painter.model.scene.name);
+}
+
 const recording = new Recording();
 const early = []; // what came before there was anything to draw with
 const show = (message) => {
@@ -44,7 +50,7 @@ const show = (message) => {
   }
   recording.text(message);
   ({ menu: () => panel.setMenu(message), scene: () => setScene(message), sides: () => setSides(message),
-                        note: () => note(message.text, message.refused), replay: () => save("replay.json", message.text, "application/json") })[message.kind]?.();
+                        note: () => hear(message), replay: () => save("replay.json", message.text, "application/json") })[message.kind]?.();
 };
 const send = connect({
   text: show,
@@ -54,7 +60,11 @@ const send = connect({
     recording.frame(bytes, next.frame);
     take(next);
   },
-  state: (state, text) => note(text, state !== "open", state !== "open"),
+  state: (state, text) => {
+    note(text, state !== "open", state !== "open");
+    // Nobody would hear what is asked for here.
+    for (const id of ["panel", "tools", "winch", "transport"]) byId(id).inert = state !== "open";
+  },
 });
 const panel = new Panel(send);
 
@@ -94,7 +104,9 @@ function setScene(scene) {
     : scene.name.startsWith("winch") ? { kind: "rod", number: 0 } : null;
   byId("winch").hidden = !winch || page.hands.tool !== "haul";
   byId("hauled").textContent = winch ? `${winch.kind} ${winch.number}` : "";
-  document.querySelector('[data-tool="throw"]').disabled = !scene.has_shapes;
+  const thrower = document.querySelector('[data-tool="throw"]');
+  thrower.disabled = !scene.has_shapes;
+  thrower.title = scene.has_shapes ? "Click to throw a ball (5)" : "Nothing in this scene has a shape that a ball could hit";
   painter.chosen = -1;
 }
 
@@ -136,35 +148,20 @@ function take(next) {
   plots.time.add(frame.sides.map((side) => side.stepUs / 1000));
 }
 
-const COUNTERS = [["awake islands", (s) => `${s.awake} / ${s.islands}`], ["asleep, skipped", (s) => s.islands - s.awake],
-                  ["substeps", (s) => s.substeps], ["sweeps of blocks", (s) => s.sweeps], ["Newton steps", (s) => s.newton],
-                  ["within tolerance", (s) => s.skipped], ["not solved or accurate", (s) => s.troubles]];
-
 function showNumbers() {
   const reached = frame.playing && frame.reached ? ` · ${short(frame.reached, 2)} ×` : "";
   byId("clock").textContent = `${frame.time.toFixed(2)} s · frame ${frame.frame}${reached}`;
   [...byId("legend").children].forEach((item, i) => {
     const side = frame.sides[i];
     if (!side) return;
-    item.querySelector("span").textContent = (i === 0 ? "" : `${short(100 * side.distance, 2)} % off `)
-      + (frame.playing ? "" : ` ${hashText(side.hash)}`);
+    item.querySelector("span").textContent = (i > 0 ? percentText(100 * side.distance) : frame.sides.length > 1 ? "reference" : "")
+      + (frame.playing ? "" : ` · state ${hashText(side.hash)}`);
   });
-  const rows = COUNTERS.map(([text, of]) => `<tr><th scope="row">${text}</th>${frame.sides.map((s) => `<td>${of(s)}</td>`).join("")}</tr>`);
-  byId("counters").innerHTML = rows.join("");
-  byId("stages").innerHTML = stageRows();
+  byId("verdict").textContent = verdict(sides.map(({ name }) => name), plots.distance.series);
+  byId("counters").innerHTML = counterRows(frame);
+  byId("stages").innerHTML = stageRows(frame, panel.stages ?? []);
   showKey(byId("key"), painter, frame);
   Object.values(plots).forEach((plot) => plot.draw());
-}
-
-/** Returns rows of the time of each stage, beside what a frame may take. */
-function stageRows() {
-  const ms = (us) => (us / 1000).toFixed(2);
-  const rows = (panel.stages ?? []).map((name, i) => [name, frame.sides.map((side) => ms(side.stagesUs[i]))]);
-  rows.push(["step", frame.sides.map((side) => ms(side.stepUs))]);
-  const line = ([name, cells]) => `<tr><th scope="row">${name}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`;
-  const all = frame.stepUs + frame.frameUs;
-  return rows.map(line).join("") + line(["all worlds", [ms(frame.stepUs)]]) + line(["to the page", [ms(frame.frameUs)]])
-    + `<tr class="${all > 1e6 / 60 ? "late" : ""}"><th scope="row">of 16.67 ms</th><td>${short(0.006 * all, 2)} %</td></tr>`;
 }
 
 function resize() {
@@ -195,6 +192,7 @@ function draw() {
   const isSlow = before && period > 25;
   painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
   if (isFresh && before) painter.leaveTrail(frame);
+  camera.follow(frame.sides[0].positions);
   painter.draw(camera);
   showTitles();
   if (++ticks % 6 === 0 || isFresh && !frame.playing) showNumbers();

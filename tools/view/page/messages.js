@@ -71,6 +71,7 @@ export const requests = {
   step: () => request("step"),
   speed: (value) => request("speed", { value: String(value) }),
   reset: () => request("reset"),
+  defaults: () => request("defaults"),
   load: (name, text = "") => request("load", text ? { name, value: text } : { name }),
   compare: (name) => request("compare", { name }),
   addSide: (side) => request("add", { side }),

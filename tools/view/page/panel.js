@@ -12,7 +12,8 @@ const decades = (from, to, steps) => {
 const evenly = (from, to, step) => Array.from({ length: Math.round((to - from) / step) + 1 }, (_, i) => Number((from + i * step).toFixed(6)));
 
 const COMMON = [
-  { name: "end_mass", label: "End mass", unit: " kg", values: decades(-1, 3, [1, 1.5, 2, 3, 5, 7]) },
+  { name: "end_mass", label: "End mass", unit: " kg", restarts: true, title: "Worlds start again once it is let go",
+    values: decades(-1, 3, [1, 1.5, 2, 3, 5, 7]) },
   { name: "gravity", label: "Gravity", unit: " m/s²", values: evenly(0, 20, 0.01).filter((g) => g === 9.81 || (g * 2) % 1 === 0) },
   { name: "drag", label: "Drag", unit: " /s", values: [0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5] },
 ];
@@ -37,9 +38,10 @@ function nearest(values, value) {
   return best;
 }
 
-function slider({ name, label, unit, values }, ask) {
+function slider({ name, label, unit, values, title = "" }, ask) {
   const row = document.createElement("label");
   row.className = "row slider";
+  row.title = title;
   row.innerHTML = `<span>${label}</span><input type="range" min="0" max="${values.length - 1}" step="1"><output></output>`;
   const [input, output] = [row.querySelector("input"), row.querySelector("output")];
   input.id = "set-" + name;
@@ -72,8 +74,10 @@ function chooser({ name, label, words }, ask) {
 export class Panel {
   constructor(send) {
     this.send = send;
-    this.side = 0;
+    this.side = null;
     this.common = COMMON.map((each) => ({ ...each, ...slider(each, (name, value) => send(requests.set(name, value))) }));
+    // A mass that changes in mid-swing is a blow. Worlds are compared from the start.
+    for (const { restarts, input } of this.common) if (restarts) input.addEventListener("change", () => send(requests.reset()));
     byId("common").append(...this.common.map(({ row }) => row));
     byId("load").addEventListener("submit", (event) => {
       event.preventDefault();
@@ -83,6 +87,7 @@ export class Panel {
       byId("spec").value = byId("generator").value;
       send(requests.load(byId("spec").value));
     });
+    byId("defaults").addEventListener("click", () => send(requests.defaults()));
     byId("compare").addEventListener("change", () => send(requests.compare(byId("compare").value)));
     byId("fold").addEventListener("click", () => {
       const opens = byId("fold").getAttribute("aria-expanded") !== "true";
@@ -105,14 +110,18 @@ export class Panel {
   }
 
   setScene({ name }) {
-    byId("spec").value = name;
+    byId("spec").value = byId("spec").title = name;
+    this.showGenerator(name);
+  }
+
+  showGenerator(name) {
     const generator = [...byId("generator").options].find(({ value }) => value === name.split(":")[0]);
     byId("generator").value = generator ? generator.value : "";
   }
 
   setSides(message) {
     this.sides = message.sides;
-    this.side = Math.min(this.side, this.sides.length - 1);
+    this.side = Math.min(this.side ?? 1, this.sides.length - 1); // the reference has the fewest settings
     for (const each of this.common) {
       each.row.hidden = message[each.name] === null;
       if (message[each.name] !== null) each.set(message[each.name]);

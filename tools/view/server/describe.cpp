@@ -135,8 +135,10 @@ Json sides_json(const Exhibit& exhibit) {
         {{"name", side.name()}, {"settings", choices_json(side.settings())}, {"rebuilds", side.rebuilds()}});
   const Scene& scene = exhibit.sides().front().scene();
   const std::uint32_t end = end_particle(exhibit.start().scene);
-  // A point of a body has no mass of its own.
-  const bool has_mass = end != no_island && scene.particles[end].mass > 0;
+  // A point of a body has no mass of its own, and a ball alone is no end.
+  const bool is_end = std::any_of(scene.rods.begin(), scene.rods.end(),
+                                  [&](const Rod& rod) { return rod.a == end || rod.b == end; });
+  const bool has_mass = is_end && scene.particles[end].mass > 0;
   const Json end_mass = has_mass ? Json(scene.particles[end].mass) : Json();
   return {{"kind", "sides"},
           {"sides", sides},

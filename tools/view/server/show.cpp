@@ -70,12 +70,16 @@ void Show::obey(const Request& request) {
       return set_speed(request);
     case Verb::reset:
       return begin_again(exhibit_.next_start());
+    case Verb::defaults:
+      return begin_again(original_);
     case Verb::load:
       return load(request);
     case Verb::compare: {
       Start start = exhibit_.next_start();
       start.sides = comparison(request.name).sides;
-      return begin_again(std::move(start));
+      begin_again(std::move(start));
+      original_.sides = exhibit_.start().sides;
+      return;
     }
     case Verb::add_side:
     case Verb::drop_side:
@@ -109,6 +113,21 @@ void Show::begin_again(Start start) {
   show_worlds();
 }
 
+/// Begins with another scene. Where the worlds of now do not all move it, a single one does.
+void Show::begin_with(Start start) {
+  Start fresh{start.name, start.scene, original_.sides};
+  try {
+    begin_again(start);
+  } catch (const InputError& error) {
+    if (start.sides.size() == 1) throw;
+    start.sides = fresh.sides = comparison("one world").sides;
+    begin_again(std::move(start));
+    const std::string reason = std::string("One world, since not all could move this scene: ") + error.what();
+    outlet_.text(note_json(reason, false).dump());
+  }
+  original_ = std::move(fresh);
+}
+
 void Show::load(const Request& request) {
   Start start = exhibit_.next_start();
   start.name = request.name;
@@ -117,12 +136,13 @@ void Show::load(const Request& request) {
   } else if (request.value.find("\"plumb_replay\"") != std::string::npos) {
     Replay replay = parse_replay(request.value, request.name);
     begin_again(replay.start);
+    original_ = replay.start;
     repeater_.emplace(std::move(replay));
     return;
   } else {
     start.scene = scenes::parse_scene(request.value, request.name);
   }
-  begin_again(std::move(start));
+  begin_with(std::move(start));
 }
 
 void Show::set_speed(const Request& request) {

@@ -43,6 +43,7 @@ class Show {
   void change(const Request& request);
   void show_worlds();
   void begin_again(Start start);
+  void begin_with(Start start);
   void load(const Request& request);
   void set_speed(const Request& request);
   void change_sides(const Request& request);
@@ -51,6 +52,7 @@ class Show {
   bool is_replaying() const { return repeater_ && !repeater_->is_over(exhibit_); }
 
   Exhibit exhibit_;
+  Start original_ = exhibit_.start();  ///< Of the scene and the comparison, before anything was set.
   Outlet outlet_;
   std::optional<Repeater> repeater_;
   bool playing_ = true;

@@ -1,5 +1,5 @@
 // Small plots of what was measured in the last seconds.
-import { sideText, theme } from "./colours.js";
+import { sideText, theme } from "../colours.js";
 
 const SAMPLES = 600;
 
@@ -75,9 +75,12 @@ export class Plot {
       pen.stroke();
     });
     const top = this.scale === "log" ? 10 ** high : high;
-    pen.fillStyle = theme().grid;
+    const word = this.text(top);
     pen.textAlign = "right";
-    pen.fillText(this.text(top), width - 3, 10);
+    pen.fillStyle = theme().back;
+    pen.fillRect(width - 6 - pen.measureText(word).width, 0, 6 + pen.measureText(word).width, 13);
+    pen.fillStyle = theme().grid;
+    pen.fillText(word, width - 3, 10);
     this.canvas.setAttribute("aria-label",
       this.unit + ": " + this.series.map((one) => this.text(one.at(-1) ?? 0)).join(", "));
   }

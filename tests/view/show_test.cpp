@@ -1,0 +1,72 @@
+// What a show answers, without a server.
+
+#include "view/server/show.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/spec.hpp"
+
+namespace plumb::view::PLUMB_TEST_FILE {
+namespace {
+
+/// A show that writes down what it says.
+struct Written {
+  std::vector<std::string> texts{};
+  Show show;
+
+  explicit Written(Start start)
+      : show(Exhibit(std::move(start)),
+             {[this](std::string text) { texts.push_back(std::move(text)); }, [](std::string) {}}) {
+    show.greet();
+  }
+  /// Returns the last message of a kind.
+  std::string last(const std::string& kind) const {
+    for (std::size_t i = texts.size(); i-- > 0;)
+      if (texts[i].find("\"kind\":\"" + kind + "\"") != std::string::npos) return texts[i];
+    return "";
+  }
+};
+
+/// Returns the thesis's comparison of a scene.
+Start compared(const std::string& scene) {
+  return {.name = scene, .scene = scenes::load_scene(scene), .sides = comparison("mass against equal").sides};
+}
+
+TEST(ViewShow, GoesBackToDefaults) {
+  Written page(compared("winch:rods=4,load=10"));
+  const std::string scene = page.last("scene"), sides = page.last("sides");
+  for (const char* const request :
+       {R"({"do":"set","name":"end_mass","value":"300"})", R"({"do":"set","name":"gravity","value":"3"})",
+        R"({"do":"set","side":1,"name":"sweeps","value":"3"})", R"({"do":"reset"})", R"({"do":"step"})"})
+    page.show.obey(request);
+  EXPECT_NE(page.last("sides"), sides);
+  page.show.obey(R"({"do":"defaults"})");
+  EXPECT_EQ(page.last("sides"), sides);
+  EXPECT_EQ(page.last("scene"), scene);
+  page.show.obey(R"({"do":"set","name":"gravity","value":"3"})");
+  page.show.obey(R"({"do":"load","name":"chain:links=3"})");
+  page.show.obey(R"({"do":"set","name":"gravity","value":"5"})");
+  page.show.obey(R"({"do":"defaults"})");
+  EXPECT_NE(page.last("scene").find("chain:links=3"), std::string::npos)
+      << "they are those of the scene of now";
+  EXPECT_NE(page.last("sides").find("\"gravity\":9.81"), std::string::npos);
+}
+
+TEST(ViewShow, MovesByOneWorldWhatNotAllOfThemMove) {
+  Written page(compared("winch"));
+  page.show.obey(R"({"do":"load","name":"wire"})");
+  EXPECT_NE(page.last("scene").find("wire"), std::string::npos);
+  EXPECT_EQ(page.last("sides").find("by mass"), std::string::npos);
+  EXPECT_NE(page.last("note").find("no bends"), std::string::npos) << "it says why";
+  EXPECT_NE(page.last("note").find("\"refused\":false"), std::string::npos);
+  page.show.obey(R"({"do":"load","name":"nothing"})");
+  EXPECT_NE(page.last("note").find("\"refused\":true"), std::string::npos);
+  EXPECT_NE(page.last("scene").find("wire"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumb::view::PLUMB_TEST_FILE
