@@ -299,20 +299,39 @@ struct Kernels {
   LineContactKernels<T> line_contacts, row_line_contacts;
 };
 
-/// Every instruction set of this family of processors, slowest first, and what one must have for it (`cpu` is
-/// xsimd's list). The files of that name define its tables, and CMakeLists.txt gives those files its flags;
-/// Isa names it. WebAssembly is asked for vectors when it is compiled, and then has them wherever it runs.
-#if defined(__x86_64__) || defined(__i386__)
-#define PLUMB_FOR_EACH_ISA(row)                                             \
-  row(scalar, true) row(sse2, cpu.sse2) row(avx2, cpu.avx2&& cpu.fma3_avx2) \
-      row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))
-#elif defined(__aarch64__)
-#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(neon, true)
-#elif defined(__wasm_simd128__)
-#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(simd128, true)
+// What a processor must have for an instruction set (`cpu` is xsimd's list), unless CMake's PLUMB_ISAS leaves
+// it out. WebAssembly is asked for vectors when it is compiled, and then has them wherever it runs.
+#if (defined(__x86_64__) || defined(__i386__)) && !defined(PLUMB_WITHOUT_SSE2)
+#define PLUMB_SSE2(row) row(sse2, cpu.sse2)
 #else
-#define PLUMB_FOR_EACH_ISA(row) row(scalar, true)
+#define PLUMB_SSE2(row)
 #endif
+#if (defined(__x86_64__) || defined(__i386__)) && !defined(PLUMB_WITHOUT_AVX2)
+#define PLUMB_AVX2(row) row(avx2, cpu.avx2&& cpu.fma3_avx2)
+#else
+#define PLUMB_AVX2(row)
+#endif
+#if (defined(__x86_64__) || defined(__i386__)) && !defined(PLUMB_WITHOUT_AVX512)
+#define PLUMB_AVX512(row) \
+  row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))
+#else
+#define PLUMB_AVX512(row)
+#endif
+#if defined(__aarch64__) && !defined(PLUMB_WITHOUT_NEON)
+#define PLUMB_NEON(row) row(neon, true)
+#else
+#define PLUMB_NEON(row)
+#endif
+#if defined(__wasm_simd128__) && !defined(PLUMB_WITHOUT_SIMD128)
+#define PLUMB_SIMD128(row) row(simd128, true)
+#else
+#define PLUMB_SIMD128(row)
+#endif
+
+/// Every instruction set of this build, slowest first. The files of that name define its tables, and
+/// CMakeLists.txt gives those files its flags; Isa names it.
+#define PLUMB_FOR_EACH_ISA(row) \
+  row(scalar, true) PLUMB_SSE2(row) PLUMB_AVX2(row) PLUMB_AVX512(row) PLUMB_NEON(row) PLUMB_SIMD128(row)
 
 #define PLUMB_DECLARE_TABLES(isa, supported)       \
   extern const Kernels<float> relax_##isa##_float; \
