@@ -45,6 +45,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
   team_ = rules.team;
   is_pressed_ = rules.is_pressed;
+  is_watched_ = rules.is_watched;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -252,7 +253,7 @@ double RelaxedStepper<T>::most_violated() const {
 }
 
 /// Bounces by single places, what a blow or the momentum of sweeps winds up, and rods that do not fit give no
-/// energy of motion. What drives does, but not to rods that do not fit. What flies keeps its momentum while
+/// energy of motion. Nor does what sweeps leave where an accuracy makes the next substep far shorter. What drives does, but not to rods that do not fit. What flies keeps its momentum while
 /// it is held back.
 template <class T>
 void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, const Energies& before, double h,
@@ -261,7 +262,7 @@ void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, con
   if (!(energy > before.moving)) return;
   const bool is_strained = crowd_.violation_of_positions() > least_guarded;
   const bool is_violent =
-      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
+      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || is_watched_ || bounces || contacts_.are_fast();
   if (!is_strained && !is_violent) return;
   double most = std::max(before.moving, driving_energy_);
   if (!is_strained)
