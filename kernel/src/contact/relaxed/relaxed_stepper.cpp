@@ -45,7 +45,6 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
   team_ = rules.team;
   is_pressed_ = rules.is_pressed;
-  is_watched_ = rules.is_watched;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -177,7 +176,6 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   Gradient gradient = predict(cluster, h);
   begin_rows(cluster, h);
   before.elastic = elastic_energy(cluster);
-  is_swept_on_ = false;
   solve(gradient, report);
   bool is_missed = false;
   for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h, team_); ++i) {
@@ -252,18 +250,16 @@ double RelaxedStepper<T>::most_violated() const {
   return is_hit_ ? std::max(least_crushed, before) : least_torn;
 }
 
-/// Bounces by single places, what a blow or the momentum of sweeps winds up, and rods that do not fit give no
-/// energy of motion. Nor does what sweeps leave where an accuracy makes the next substep far shorter. What drives does, but not to rods that do not fit. What flies keeps its momentum while
-/// it is held back.
+/// Takes back energy of motion that corrections have given: bounces by single places, what a blow or the
+/// momentum of sweeps winds up, rods that do not fit, and what longer substeps have left to shorter ones.
+/// What drives gives some, but not to rods that do not fit. What flies keeps its momentum while it is held
+/// back.
 template <class T>
 void RelaxedStepper<T>::guard_energy(std::span<LinkageState* const> cluster, const Energies& before, double h,
                                      bool bounces, Tally& report) {
   const double energy = crowd_.kinetic();
   if (!(energy > before.moving)) return;
   const bool is_strained = crowd_.violation_of_positions() > least_guarded;
-  const bool is_violent =
-      rules_.step_sweeps > 0 || is_hit_ || is_swept_on_ || is_watched_ || bounces || contacts_.are_fast();
-  if (!is_strained && !is_violent) return;
   double most = std::max(before.moving, driving_energy_);
   if (!is_strained)
     most = bounces ? before.moving + driving_energy_ + 2 * std::sqrt(before.moving * driving_energy_)
@@ -368,11 +364,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     if (has_momentum && done % sweeps_together == 0 && done < most_sweeps_) momentum_.go_on(swept_);
   }
   contacts_.end_sweeps();
-  if (is_hit_ || is_struck()) {
-    const std::uint32_t more = sweep_on(gradient);
-    is_swept_on_ = is_swept_on_ || more > 0;
-    done += more;
-  }
+  if (is_hit_ || is_struck()) done += sweep_on(gradient);
   bodies_.right(crowd_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();

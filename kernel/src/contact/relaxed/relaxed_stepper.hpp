@@ -99,9 +99,7 @@ class RelaxedStepper final : public ClusterMover {
   double recovery_rate_ = 0;
   double step_ = 0, driving_energy_ = 0;  ///< s, J, of the step
   Team* team_ = nullptr;                  ///< that may help
-  bool is_swept_on_ = false;              ///< in this substep, after a blow
   bool is_hit_ = false;                   ///< hulls move fast near what they may touch
-  bool is_watched_ = false;               ///< an accuracy says how long substeps are
   bool is_pressed_ = false;               ///< rods are off their lengths since ground is in their way
   bool counts_ = false;                   ///< some island's pulls count
 };
