@@ -39,15 +39,23 @@ std::string_view text_of(const std::vector<PageFile>& files, std::string_view na
   throw std::logic_error("the page has no " + std::string(name));
 }
 
+/// Returns a module that imports others by plumb/NAME, instead of the way to them from its folder.
+std::string imported_by_name(std::string_view name, std::string_view text) {
+  const std::size_t slash = name.rfind('/');
+  const std::string folder(name.substr(0, slash == name.npos ? 0 : slash + 1));
+  const std::string beside = replaced(text, "from \"./", "from \"plumb/" + folder);
+  return replaced(beside, "from \"../", "from \"plumb/");
+}
+
 /// Returns a map of modules. One that lies in a data: address has no neighbours, so that modules import each
-/// other as plumb/NAME instead of ./NAME. What connects the page to worlds is another one here.
+/// other by name. What connects the page to worlds is another one here.
 std::string modules(const std::vector<PageFile>& files) {
   std::string out;
   for (const PageFile& file : files) {
     if (!file.name.ends_with(".js") || file.name == "worker.js") continue;
     const std::string_view text = file.name == "socket.js" ? text_of(files, "worker.js") : file.text;
     out += (out.empty() ? "" : ",\n") + ("\"plumb/" + std::string(file.name)) +
-           "\": \"data:text/javascript;base64," + base64(replaced(text, "from \"./", "from \"plumb/")) + "\"";
+           "\": \"data:text/javascript;base64," + base64(imported_by_name(file.name, text)) + "\"";
   }
   return "{\"imports\": {\n" + out + "\n}}";
 }
