@@ -207,8 +207,8 @@ class PLUMB_API World {
   void set_gravity(Vec3 gravity);
   /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
   /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are solved directly is
-  /// taken out, as at a start, and what is wound goes on so. Joints are not looked at. What is moved wakes up,
-  /// and so does what lies on its shapes.
+  /// taken out, as at a start, and what is wound goes on so. Joints are not looked at. What is moved wakes
+  /// up, and so does what lies on its shapes.
   ///
   /// Throws InputError on lists of other sizes, particles that are unknown or listed twice, places that are
   /// not finite and islands with a reel. So it does on a rod that would be 10^-6 of its length further off.
