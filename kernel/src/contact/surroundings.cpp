@@ -85,10 +85,7 @@ bool Surroundings::any_ground(const Bounds& bounds, std::span<const Filter> filt
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (!detail::may_touch(filters, others[i].filter)) continue;
     const GroundRate rate = anchored.rate(i, anchored.positions());
-    const auto reaches = [&](const Bounds& at) {
-      const Segment there = anchored.segment(i, anchored.positions());
-      return grown(box_around(there.p, there.q), there.radius).overlaps(at);
-    };
+    const auto reaches = [&](const Bounds& at) { return anchored.bounds(i).overlaps(at); };
     if (f(fastest(rate, bounds, dt_), rate.belt, reaches)) return true;
   }
   return false;

@@ -24,8 +24,9 @@ void Frames::update(const World& world) {
   };
   moved_.clear();
   const auto has_moved = [&](std::size_t i) {
-    if (is_other(i)) before_[i] = now_[i];
-    return is_other(i) || now_[i] != before_[i];
+    if (!is_other(i)) return now_[i] != before_[i];
+    before_[i] = now_[i];
+    return true;
   };
   for (std::size_t i = 0, end = 0; i < now_.size(); i = end + 1) {
     for (end = i; end < now_.size() && has_moved(end);) ++end;

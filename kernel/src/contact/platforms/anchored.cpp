@@ -43,17 +43,14 @@ Anchored::Anchored(const Scene& scene) {
   for (const std::uint32_t anchor : anchors_) x_[anchor] = scene.particles[anchor].position;
 }
 
-bool Anchored::reach_into(const Bounds& bounds, std::span<const std::uint32_t> anchors,
+bool Anchored::reach_into(const Bounds& box, std::span<const std::uint32_t> anchors,
                           std::span<const Filter> filters) const {
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     bool is_held = false;
     for_anchors(shapes_[i], [&](std::uint32_t anchor) {
       is_held = is_held || std::find(anchors.begin(), anchors.end(), anchor) != anchors.end();
     });
-    const Segment there = segment(i, x_);
-    if (is_held && may_touch(filters, shapes_[i].filter) &&
-        grown(box_around(there.p, there.q), there.radius).overlaps(bounds))
-      return true;
+    if (is_held && may_touch(filters, shapes_[i].filter) && bounds(i).overlaps(box)) return true;
   }
   return false;
 }
@@ -66,6 +63,11 @@ void Anchored::find_positions(double t, Array<Vec3>& x) const {
 Segment Anchored::segment(std::size_t shape, std::span<const Vec3> x) const {
   const Linkage::Shape& of = shapes_[shape];
   return {of.a.of(x), of.b.of(x), of.radius};
+}
+
+Bounds Anchored::bounds(std::size_t shape) const {
+  const Segment there = segment(shape, x_);
+  return grown(box_around(there.p, there.q), there.radius);
 }
 
 GroundRate Anchored::rate(std::size_t shape, std::span<const Vec3> x) const {

@@ -31,7 +31,7 @@ class Anchored {
   }
   /// Returns whether a shape that one of `anchors` holds, and shapes with such filters may touch, reaches
   /// into a box.
-  bool reach_into(const Bounds& bounds, std::span<const std::uint32_t> anchors,
+  bool reach_into(const Bounds& box, std::span<const std::uint32_t> anchors,
                   std::span<const Filter> filters) const;
   /// Returns where particles are (m) at the step's start. Those of anchors() are known.
   std::span<const Vec3> positions() const { return x_; }
@@ -40,6 +40,8 @@ class Anchored {
   /// Returns a shape's middle with anchors at `x`, and how the shape moves there.
   Segment segment(std::size_t shape, std::span<const Vec3> x) const;
   GroundRate rate(std::size_t shape, std::span<const Vec3> x) const;
+  /// Returns the box around a shape at the step's start.
+  Bounds bounds(std::size_t shape) const;
   template <class Archive>
   void archive(Archive& archive) {
     auto& [shapes, anchors, x, v] = *this;
