@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/rows.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 
@@ -90,6 +91,21 @@ class Closing {
 };
 
 }  // namespace
+
+/// Returns whether islands press each other, or what has loops presses ground, in so many places that they
+/// are a crowd from now on. That is known from the first sweeps and from where nets would go without contact,
+/// so that what falls together is not solved first.
+bool ClusterStepper::presses_as_crowd() const {
+  std::ptrdiff_t pressed = std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
+    return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
+  });
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (const Island& island = islands_[i]; island.awake && island.state->linkage->has_loops())
+      island.ground.for_all([&](const GroundContact& each) {
+        pressed += each.gap + dot(each.normal, each.at.of(island.d)) < 0;
+      });
+  return static_cast<std::size_t>(pressed) > few_touching;
+}
 
 bool ClusterStepper::solve_positions(Tally& report) {
   bool any_ground = false;

@@ -96,9 +96,10 @@ bool has_run_away(const LinkageState& state, const LinkageMotion& before, double
 
 /// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
 /// twice, with a loose grip, and relaxed. Then it is tried whole again, with ground that is swept and with
-/// overlaps that yield to each other, and at last halved on. Where rods do not fit, or heavy balls would sink
-/// through what yields, all that is left of the step is relaxed. Returns its length. It is 0 if nothing was
-/// found: what cannot be solved stays where it is, and keeps what motion is common to it.
+/// overlaps that yield to each other, and at last halved on. Where rods do not fit, as those of a net in a
+/// box, or heavy balls would sink through what yields, all that is left of the step is relaxed. Returns its
+/// length. It is 0 if nothing was found: what cannot be solved stays where it is, and keeps what motion is
+/// common.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
@@ -108,7 +109,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   bool was_loose = false;
   const bool is_lone = is_line(cluster), is_watched = gives(cluster) && has_balls(cluster);
   if (is_watched) keep_motion(cluster);
-  double halved = h;
+  double halved = h, in_vain = 0;  // s
   while (!substep(surroundings, h, report)) {
     if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
     if (found_crowd_) {
@@ -135,17 +136,13 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     ++report.halvings;
     if (++halvings_ > most_if_pressed && overload_.state == nullptr && is_on_moving(cluster, surroundings))
       strain_ = Strain::pressed;
-    if (strain_ == Strain::pressed || (h < shortest_ && overload_.state == nullptr && will_come_taut()))
+    const auto lacks_room = [&] { return (has_nets_ && in_vain == whole) || will_come_taut(); };
+    if (strain_ == Strain::pressed || (h < shortest_ && overload_.state == nullptr && lacks_room()))
       return solve_strained(cluster, surroundings, report);
     // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
     may_sink_ = !is_lone || h < std::max(least_sunk * whole, least / 16);
     const double relaxed = sinks_ ? h : whole;
-    if (h < few_cuts * whole && overload_.state == nullptr && any_touch() && !any_bends() &&
-        relax(cluster, surroundings, 1, relaxed, report)) {
-      ++report.fallbacks;
-      for (LinkageState* const state : cluster) state->relax_for = is_lone ? 0 : patience;
-      return relaxed;
-    }
+    if (h < few_cuts * whole && relax_stuck(cluster, surroundings, relaxed, in_vain, report)) return relaxed;
     if (h < few_cuts * whole && try_otherwise(report)) {
       h = whole;
       continue;
@@ -153,11 +150,29 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     if (h >= least / 16) continue;
     if (!break_overload(report) && !fit(cluster, surroundings))
       return solve_strained(cluster, surroundings, report);
+    in_vain = 0;
     h = whole;
   }
   if (!is_watched || kept_of_overlaps_ == 1 || !has_ball_sunk(most_approach * thinness(cluster))) return h;
   return_to_motion(cluster);
   return solve_strained(cluster, surroundings, report);
+}
+
+/// Relaxes a substep of h (s) that halving does not help, with the bodies that touch nets. Returns false, and
+/// nothing has moved, if it cannot be relaxed either. `vain` is a length (s) for which that is known.
+bool ClusterStepper::relax_stuck(std::span<LinkageState* const> cluster, const Surroundings& where, double h,
+                                 double& vain, Tally& report) {
+  if (h == vain || overload_.state != nullptr || !any_touch() || any_bends()) return false;
+  is_stuck_ = has_nets_;
+  const bool is_tried = std::all_of(cluster.begin(), cluster.end(),
+                                    [&](const LinkageState* each) { return can_relax(*each, h); });
+  const bool is_relaxed = is_tried && relax(cluster, where, 1, h, report);
+  is_stuck_ = false;
+  if (is_tried && may_sink_) vain = h;
+  if (!is_relaxed) return false;
+  ++report.fallbacks;
+  for (LinkageState* const state : cluster) state->relax_for = is_line(cluster) ? 0 : patience;
+  return true;
 }
 
 /// Returns whether anchors that move leave some rods no place until the end of the step. What they hold gets
@@ -288,21 +303,6 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
-/// Returns whether islands press each other, or what has loops presses ground, in so many places that they
-/// are a crowd from now on. That is known from the first sweeps and from where nets would go without contact,
-/// so that what falls together is not solved first.
-bool ClusterStepper::presses_as_crowd() const {
-  std::ptrdiff_t pressed = std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-    return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
-  });
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (const Island& island = islands_[i]; island.awake && island.state->linkage->has_loops())
-      island.ground.for_all([&](const GroundContact& each) {
-        pressed += each.gap + dot(each.normal, each.at.of(island.d)) < 0;
-      });
-  return static_cast<std::size_t>(pressed) > few_touching;
-}
-
 /// Returns in how many substeps a step of dt (s) is relaxed: what is fast or thin takes more.
 std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
   double fastest = 0, thinnest = INFINITY;
@@ -330,16 +330,20 @@ void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
   }
 }
 
+bool ClusterStepper::can_relax(const LinkageState& state, double dt) const {
+  const Linkage& linkage = *state.linkage;
+  return relaxed_ &&
+         (strain_ != Strain::none || is_stuck_ ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
+         throw_of(state, dt) <= farthest_throw * linkage.size();
+}
+
 /// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
 /// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                            std::uint32_t substeps, double dt, Tally& report) {
-  const auto can_relax = [&](const LinkageState* state) {
-    const Linkage& linkage = *state->linkage;
-    return (strain_ != Strain::none ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
-           throw_of(*state, dt) <= farthest_throw * linkage.size();
-  };
-  if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
+  if (!std::all_of(cluster.begin(), cluster.end(),
+                   [&](const LinkageState* each) { return can_relax(*each, dt); }))
+    return false;
   keep_motion(cluster);
   Tally tried = report;
   ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)),
