@@ -46,7 +46,7 @@ Value parsed_value(const char* name, std::string_view text) {
     throw refuse("thin, medium, wide or none");
   } else {
     const auto parsed = parse_number<Value>(text);
-    if (!parsed) throw refuse(std::is_floating_point_v<Value> ? "a number" : "a whole number");
+    if (!parsed) throw refuse(std::is_floating_point_v<Value> ? "a number" : "a whole number from 0 on");
     return *parsed;
   }
 }

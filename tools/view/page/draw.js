@@ -237,10 +237,11 @@ export class Painter {
   drawSide(matrices, side, number, isGhost) {
     const gl = this.gl;
     if (!side.positions) return;
-    const look = { alpha: isGhost ? 0.55 : 1, scale: isGhost ? 1.8 : 1 };
     if (isGhost) gl.depthMask(false);
-    for (const [program, instances] of [[this.rod, side.sticks], [this.ball, side.balls]]) {
-      this.use(program, matrices, look);
+    // It is wider than thin rods that lie over it, and hardly larger than what has a size.
+    const rods = this.model.scene.has_shapes ? 1.1 : 1.8, balls = this.model.scene.has_shapes ? 1.1 : 1.3;
+    for (const [program, instances, wider] of [[this.rod, side.sticks, rods], [this.ball, side.balls, balls]]) {
+      this.use(program, matrices, { alpha: isGhost ? 0.55 : 1, scale: isGhost ? wider : 1 });
       gl.bindTexture(gl.TEXTURE_2D, side.points.texture);
       gl.bindVertexArray(instances.array);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, instances.count);

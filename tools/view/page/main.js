@@ -15,6 +15,7 @@ import { percentText, verdict } from "./measured/verdict.js";
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
+const LOADING = "Loading …";
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
 const plots = {
   distance: new Plot(byId("plot-distance"), { unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
@@ -66,7 +67,10 @@ const send = connect({
     for (const id of ["panel", "tools", "winch", "transport"]) byId(id).inert = state !== "open";
   },
 });
-const panel = new Panel(send);
+const panel = new Panel((message) => {
+  if (JSON.parse(message).do === "load") note(LOADING, false, true); // which takes long where a step does
+  send(message);
+});
 
 /** What tools see of the page. */
 const page = {
@@ -94,6 +98,7 @@ function begin() {
 }
 
 function setScene(scene) {
+  if (byId("note").textContent === LOADING) note("");
   const isSame = painter.model && scene.name === painter.model.scene.name && scene.masses.length === painter.model.particles;
   const model = painter.setScene(scene);
   if (!isSame) camera.frame(model.center, model.radius);
@@ -157,7 +162,7 @@ function showNumbers() {
     item.querySelector("span").textContent = (i > 0 ? percentText(100 * side.distance) : frame.sides.length > 1 ? "reference" : "")
       + (frame.playing ? "" : ` · state ${hashText(side.hash)}`);
   });
-  byId("verdict").textContent = verdict(sides.map(({ name }) => name), plots.distance.series);
+  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.scene.masses, lastSides.end_mass);
   byId("counters").innerHTML = counterRows(frame);
   byId("stages").innerHTML = stageRows(frame, panel.stages ?? []);
   showKey(byId("key"), painter, frame);
@@ -276,7 +281,7 @@ addEventListener("drop", async ({ dataTransfer }) => {
   const file = dataTransfer.files[0];
   if (!file) note("That is no file.", true);
   else if (file.size > 30e6) note(`${file.name} is larger than 30 MB.`, true);
-  else send(requests.load(file.name, await file.text() || " "));
+  else panel.send(requests.load(file.name, await file.text() || " "));
 });
 onSchemeChange(() => { if (lastSides) setSides(lastSides); });
 

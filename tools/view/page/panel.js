@@ -46,7 +46,7 @@ function slider({ name, label, unit, values, title = "" }, ask) {
   const [input, output] = [row.querySelector("input"), row.querySelector("output")];
   input.id = "set-" + name;
   const show = (value) => {
-    output.textContent = value === "off" ? "off" : Number(value) + unit;
+    output.textContent = value === "off" ? "off" : Number(Number(value).toPrecision(4)) + unit;
     input.setAttribute("aria-valuetext", output.textContent);
   };
   input.addEventListener("input", () => {
@@ -129,7 +129,7 @@ export class Panel {
     const names = this.sides.map(({ name }) => name).join();
     const known = this.comparisons.find((each) => each.sides.join() === names);
     byId("compare").value = known?.name ?? "";
-    byId("about").textContent = known?.about ?? "";
+    byId("about").textContent = (known?.about ?? "") + (known?.name === "mass against equal" && message.end_mass !== null ? " Move End mass." : "");
     byId("distance").textContent = names.startsWith("truth") ? "error, % of size" : "distance, % of size";
     this.showTabs();
   }
@@ -153,7 +153,7 @@ export class Panel {
       out.addEventListener("click", () => this.send(ask(this.side)));
       return out;
     };
-    byId("tabs").replaceChildren(...tabs, button("+", "One more world with these settings", requests.addSide, this.sides.length > 3),
+    byId("tabs").replaceChildren(...tabs, button("+", "One more world with these settings; all start again", requests.addSide, this.sides.length > 3),
       button("−", "Take this world away", requests.dropSide, this.sides.length < 2));
     const { settings } = this.sides[this.side];
     const reads = this.methods.find(({ name }) => name === settings.method)?.reads ?? [];

@@ -1,7 +1,9 @@
-// Says in words what a comparison of weights has shown so far.
+// Says in words what a comparison of weights shows.
 
+const RECENT = 180; // frames
+const NEAR = 1, APART = 10; // percent
 const MUCH = 2; // times as far
-const AT_ALL = 0.5; // percent
+const ALIKE = 0.1; // of the larger one
 
 const mean = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
 
@@ -11,14 +13,39 @@ export function percentText(percent) {
   return `${percent < 1e-3 ? 0 : Number(percent.toPrecision(2))} % off`;
 }
 
-/** Returns a sentence on worlds of these names, whose distances (%) of the last seconds `series` lists; or none. */
-export function verdict(names, series) {
-  const [byMass, equal] = ["by mass", "equal"].map((name) => series[names.indexOf(name)]);
-  if (!byMass || !equal || byMass.length < 60) return "";
-  const [m, e] = [mean(byMass), mean(equal)];
-  if (!(Number.isFinite(m) && Number.isFinite(e))) return "One of them flew apart.";
-  if (m < AT_ALL && e < AT_ALL) return "Both move as the reference does. Make the end heavier.";
-  if (e > MUCH * m) return "By mass moves as the reference does. Equal does not.";
-  if (m > MUCH * e) return "Here equal is nearer. By mass needs more sweeps or substeps.";
-  return "Neither moves as the reference does. More sweeps or substeps bring them closer.";
+/** Returns the numbers of two worlds that are relaxed alike but for their weights, by mass and equal; or none. */
+function compared(sides) {
+  const found = ["mass", "equal"].map((weights) =>
+    sides.findIndex(({ name, settings }) => name.endsWith(weights) && settings.method === "relax" && settings.weights === weights));
+  if (found.includes(-1)) return null;
+  const how = found.map((i) => JSON.stringify({ ...sides[i].settings, weights: "" }));
+  return how[0] === how[1] ? found : null;
+}
+
+/** Returns whether particles that move weigh alike, of which the slider, if there is one, sets the last. */
+function areAlike(masses, endMass) {
+  const own = masses.filter((mass) => mass !== null);
+  if (endMass !== null) own[own.length - 1] = endMass;
+  const [least, most] = own.reduce(([low, high], mass) => [Math.min(low, mass), Math.max(high, mass)], [Infinity, 0]);
+  return most <= (1 + ALIKE) * least;
+}
+
+/**
+ * Returns a sentence on worlds, whose distances (%) of the last seconds `series` lists; or none. `masses` are those of
+ * their particles, and `endMass` that of the slider, if there is one.
+ */
+export function verdict(sides, series, masses, endMass) {
+  const both = compared(sides)?.map((i) => series[i]?.slice(-RECENT));
+  if (!both || !both.every((list) => list?.length >= 60)) return "";
+  const [m, e] = both.map(mean), far = Math.max(m, e);
+  if (!Number.isFinite(far)) return "One of them flew apart.";
+  const heavier = endMass !== null ? " Make the end heavier." : "";
+  if (areAlike(masses, endMass)) return "All masses are alike, so that weights do not matter." + heavier;
+  if (far < NEAR) return "Both move as the reference does." + heavier;
+  if (e > MUCH * m)
+    return m < APART ? "By mass moves as the reference does. Equal does not." : "By mass is nearer to the reference.";
+  if (far > APART && Math.min(m, e) > APART / MUCH)
+    return "Both have left the reference: differences grow as worlds move on. Reset begins again.";
+  if (Math.abs(m - e) < ALIKE * far) return "Both are as far from the reference: weights hardly matter here.";
+  return (m < e ? "By mass" : "Here equal") + " is nearer to the reference.";
 }
