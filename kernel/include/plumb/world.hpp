@@ -103,7 +103,6 @@ class PLUMB_API World {
   void move_anchor(std::uint32_t particle, Vec3 target);
   /// Pulls a place to a target from the next step on, until it is released, and wakes its island. A grab ends
   /// by itself where its particles are removed, all fixed, or no longer of one island or rod.
-  ///
   /// Throws InputError on an unknown particle, weights that do not add up to 1, fixed particles alone,
   /// numbers that are not finite, and negative stiffness or damping. So it does where a solver cannot:
   /// relaxed rods, and those without mass of their own, are grabbed at their ends. Springs, multipliers,
@@ -174,15 +173,18 @@ class PLUMB_API World {
   /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
   /// does nothing to a rod that is out. A capsule along it ends, but for spheres at ends without any other,
   /// the second with a new number. One between places that come apart ends. What lies on the island wakes.
-  ///
   /// Throws InputError on an unknown rod, and where an island cannot be made anew. That is one with reels, or
   /// with a twist that does not end. So it does on a rod between particles of a body.
   void cut(std::uint32_t rod);
+  /// Takes out a Rod, Pin, Alignment, AngleControl, Spring or Torsion likewise. What a pin kept from touching
+  /// may touch then. All but rods lose their numbers in the next step: handles are stale then, and add() may
+  /// give numbers anew. Throws InputError on a stale handle, too.
+  template <class Item>
+  void cut(Handle<Item> item);
   /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
   /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
   /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
   /// that is free, or new; cut() before the next step gives it back.
-  ///
   /// Throws InputError as cut() does, on rods that validate() refuses or that air slows, and on those that do
   /// not fit between their ends. It does so on ends that are both fixed or joined already, and on what would
   /// bring islands with shapes or joints together with tackles. Messages of validate() call the rod rod 0.
@@ -209,7 +211,6 @@ class PLUMB_API World {
   /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are solved directly is
   /// taken out, as at a start, and what is wound goes on so. Joints are not looked at. What is moved wakes
   /// up, and so does what lies on its shapes.
-  ///
   /// Throws InputError on lists of other sizes, particles that are unknown or listed twice, places that are
   /// not finite and islands with a reel. So it does on a rod that would be 10^-6 of its length further off.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
@@ -230,7 +231,6 @@ class PLUMB_API World {
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
   /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
-  ///
   /// Shapes, bodies, joints and springs of the island end, too. Throws InputError on islands with twists or
   /// reels, and if what is freed in the next step would stay without mass.
   void remove(std::uint32_t particle);
@@ -246,7 +246,7 @@ class PLUMB_API World {
   /// Returns the number of such an item. Throws InputError on a handle that names none, or none any more.
   template <class Item>
   std::uint32_t number(Handle<Item> item) const;
-  /// Returns whether a handle names an item that was not removed.
+  /// Returns whether a handle names an item that was neither removed nor, but for rods, cut.
   template <class Item>
   bool has(Handle<Item> item) const;
 

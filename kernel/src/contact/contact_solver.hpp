@@ -61,6 +61,8 @@ class ContactSolver final : public Solver {
   bool has_rod(std::uint32_t rod) const {
     return rod < owners_.rods.size() && owners_.rods[rod].island < ended;
   }
+  /// Returns a movable particle of the island that has an item of a kind, if that is here.
+  std::optional<std::uint32_t> mover_of(std::size_t kind, std::uint32_t number) const;
   /// Returns whether such a rod joins two particles of a body.
   bool is_of_body(std::uint32_t rod) const;
   /// Returns why such a rod cannot change its length, or null if it can.

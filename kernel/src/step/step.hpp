@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -116,6 +118,8 @@ class Step : public InMemory {
 
   /// Takes a rod out. Throws InputError if its island cannot be made anew.
   void cut(std::uint32_t rod);
+  /// Takes out a joint or a spring, which messages call `what`. Throws InputError likewise.
+  void cut(std::size_t kind, const char* what, std::uint32_t number);
   /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
   void fix(std::uint32_t particle, bool is_fixed);
   void set_mass(std::uint32_t particle, double mass);

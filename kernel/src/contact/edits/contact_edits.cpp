@@ -1,6 +1,7 @@
 // This file makes islands of the contact solver anew that a program edits, and ends those that are removed.
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include "contact/contact_solver.hpp"
@@ -121,6 +122,12 @@ void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, s
   to.follow_elastics();
 }
 
+std::optional<std::uint32_t> ContactSolver::mover_of(std::size_t kind, std::uint32_t number) const {
+  const Array<Owner>& owners = *owners_.all()[kind];
+  if (number >= owners.size() || owners[number].island >= ended) return std::nullopt;
+  return states_[owners[number].island].particles.front();
+}
+
 /// Lets nothing move an island any more, nor find it.
 void ContactSolver::retire(std::uint32_t island) {
   if (states_[island].linkage == nullptr) return;
@@ -200,6 +207,7 @@ auto ContactSolver::add(const NamedPart& part) -> Array<Made> {
 void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   const Scene before = part.scene;
   part.refix(edits);  // before cuts, which give movable particles shapes
+  part.sever(edits.severed);
   for (const std::uint32_t rod : edits.cut) part.cut(rod, edits);
   for (const auto& [particle, mass] : edits.heavier)
     if (Particle* const own = part.find(particle)) own->mass += mass;

@@ -78,6 +78,20 @@ void NamedPart::cut(std::uint32_t number, const PartEdits& edits) {
   names.rods.erase(names.rods.begin() + offset);
 }
 
+void NamedPart::sever(const Names& joints) {
+  for_lists(
+      [&](std::size_t kind, auto& list) {
+        const Array<std::uint32_t>& ended = *joints.all()[kind];
+        Array<std::uint32_t>& numbers = *names.all()[kind];
+        if (ended.empty()) return;
+        std::size_t next = 0;
+        erase_numbered(list, numbers, [&](const auto&) {
+          return std::binary_search(ended.begin(), ended.end(), numbers[next++]);
+        });
+      },
+      scene);
+}
+
 bool NamedPart::is_bare_without(const Array<std::uint32_t>& ends, std::uint32_t particle) const {
   const auto is_at = [&](const Capsule& capsule) {
     return has_share(capsule, particle) && particles_of(capsule) != ends;

@@ -28,6 +28,7 @@ void erase_numbered(std::vector<Item>& list, Array<std::uint32_t>& numbers, Ends
 /// Lists what is done to islands that the contact solver knows. All have the numbers of the whole scene.
 struct PartEdits {
   Array<std::uint32_t> cut{};                         ///< rods
+  Names severed{};                                    ///< joints and springs, by kind
   Array<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
   Array<std::uint32_t> fixed{};                       ///< particles that stand from now on
   Array<std::uint32_t> freed{};                       ///< particles that move from now on
@@ -35,7 +36,9 @@ struct PartEdits {
   /// capsule.
   std::function<std::uint32_t()> number_of_sphere{};
 
-  bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty() || !freed.empty(); }
+  bool any() const {
+    return !cut.empty() || lists_any(severed) || !heavier.empty() || !fixed.empty() || !freed.empty();
+  }
 };
 
 /// Holds islands as a scene, with the numbers that its parts have in the whole one.
@@ -47,6 +50,8 @@ class NamedPart {
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing. An end that moves and would have no shape without such a capsule gets a sphere.
   void cut(std::uint32_t rod, const PartEdits& edits);
+  /// Takes out those of the joints and springs listed that are here.
+  void sever(const Names& joints);
   /// Returns a particle by its number, or null if it is not here.
   Particle* find(std::uint32_t particle);
   /// Fixes and frees particles.

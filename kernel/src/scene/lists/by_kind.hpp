@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "plumb/layouts/memory.hpp"
@@ -32,6 +34,11 @@ struct ByKind {
 
 /// Lists numbers of each kind.
 using Names = ByKind<Array<std::uint32_t>>;
+/// Returns whether numbers of any kind are listed.
+inline bool lists_any(const Names& names) {
+  const auto all = names.all();
+  return std::any_of(all.begin(), all.end(), [](const auto* numbers) { return !numbers->empty(); });
+}
 
 template <class Archive, class T>
 void visit_members(Archive& archive, ByKind<T>& of) {
@@ -46,6 +53,20 @@ auto lists_of(SceneOrConst& scene) {
                scene.alignments, scene.angles, scene.springs, scene.torsions, scene.capsules, scene.hulls);
   static_assert(std::tuple_size_v<decltype(lists)> == ByKind<int>::kinds);
   return lists;
+}
+
+/// Returns the place of an item's kind in the order of kinds.
+template <class Item>
+constexpr std::size_t kind_of() {
+  const auto find = []<class... Lists>(const std::tuple<Lists...>*) {
+    std::size_t kind = 0;
+    (void)((std::is_same_v<typename std::remove_cvref_t<Lists>::value_type, Item> || (++kind, false)) || ...);
+    return kind;
+  };
+  using Lists = decltype(lists_of(std::declval<Scene&>()));
+  constexpr std::size_t kind = find(static_cast<const Lists*>(nullptr));
+  static_assert(kind < ByKind<int>::kinds);
+  return kind;
 }
 
 /// Calls f(kind, list...) for each kind, with its lists of these scenes.

@@ -7,6 +7,7 @@
 
 #include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
+#include "scene/lists/by_kind.hpp"
 
 namespace plumb::detail {
 
@@ -44,17 +45,21 @@ void visit_members(Archive& archive, Joined& of) {
 struct Edits {
   Array<Joined> joined;                            ///< They are done before all else.
   Array<std::uint32_t> cut;                        ///< rods
+  Names severed;                                   ///< joints and springs, by kind; they ascend
   Array<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
   Array<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
   bool packs = false;                              ///< all islands are made anew, side by side
 
-  bool any() const { return !joined.empty() || !cut.empty() || !masses.empty() || !fixed.empty() || packs; }
+  bool any() const {
+    return !joined.empty() || !cut.empty() || lists_any(severed) || !masses.empty() || !fixed.empty() ||
+           packs;
+  }
   friend bool operator==(const Edits&, const Edits&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {
-  auto& [joined, cut, masses, fixed, packs] = of;
-  archive(joined, cut, masses, fixed, packs);
+  auto& [joined, cut, severed, masses, fixed, packs] = of;
+  archive(joined, cut, severed, masses, fixed, packs);
 }
 
 }  // namespace plumb::detail

@@ -1,6 +1,7 @@
 // This file adds islands to a compiled scene, and removes them, between two steps.
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 #include <utility>
 
@@ -236,6 +237,9 @@ void Step::drop_edits(const Names& of) {
     if (is_gone(of.particles, rod.a) || is_gone(of.particles, rod.b)) waiting.push_back(number);
   take_back(waiting);
   std::erase_if(edits_.cut, [&](std::uint32_t rod) { return is_gone(of.rods, rod); });
+  for (std::size_t kind = 0; kind < of.kinds; ++kind)
+    std::erase_if(*edits_.severed.all()[kind],
+                  [&](std::uint32_t number) { return is_gone(*of.all()[kind], number); });
   std::erase_if(edits_.masses, [&](const auto& each) { return is_gone(of.particles, each.first); });
   std::erase_if(edits_.fixed, [&](const auto& each) { return is_gone(of.particles, each.first); });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,6 +72,15 @@ void Step::cut(std::uint32_t rod) {
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
   if (is_of_body(rod)) refuse("rod ", rod, ": is of a body, which stays whole");
   order_cut(rod);
+}
+
+void Step::cut(std::size_t kind, const char* what, std::uint32_t number) {
+  breaks_.begin();
+  const auto mover = compiled_.contact ? compiled_.contact->mover_of(kind, number) : std::nullopt;
+  require_editable(what, number, mover.value_or(0));
+  Ids& ordered = *edits_.severed.all()[kind];
+  const auto at = std::lower_bound(ordered.begin(), ordered.end(), number);
+  if (at == ordered.end() || *at != number) ordered.insert(at, number);
 }
 
 void Step::order_cut(std::uint32_t rod) {

@@ -48,6 +48,9 @@ void Step::split(StepReport&) {
   if (now.rods.empty() && !now.edits.any()) return;
   Fallen fallen = take_out(now);
   const Log::Group group = group_of(fallen, now);
+  // Here alone: what is done again for a snapshot has the population of its end.
+  for (std::size_t kind = 0; kind < population_.kinds; ++kind)
+    population_.all()[kind]->give_back(*now.edits.severed.all()[kind]);
   put_joined(now.edits);
   now.positions.reserve(fallen.particles.size());
   now.velocities.reserve(fallen.particles.size());

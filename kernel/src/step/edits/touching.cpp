@@ -65,6 +65,10 @@ PartEdits Step::list_part_edits(const Edits& edits, Ids& touched) const {
     touched.push_back(rods_.end(rod));
     out.cut.push_back(rod);
   }
+  out.severed = edits.severed;
+  for (std::size_t kind = 0; compiled_.contact && kind < out.severed.kinds; ++kind)
+    for (const std::uint32_t number : *out.severed.all()[kind])
+      if (const auto mover = compiled_.contact->mover_of(kind, number)) touched.push_back(*mover);
   for (const auto& [particle, mass] : edits.masses) {
     touched.push_back(particle);
     out.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));

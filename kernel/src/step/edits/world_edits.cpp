@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 
@@ -194,56 +195,44 @@ void World::pack() {
 
 namespace {
 
-/// Says how messages call an item, and where a world keeps its numbers.
-struct ItemKind {
-  const char* name;
-  detail::Numbers detail::Population::*numbers;
-};
+/// Says how messages call items, by kind.
+constexpr const char* names_of_kinds[] = {"particle",  "rod",   "bend",   "tackle",  "body",    "pin",
+                                          "alignment", "angle", "spring", "torsion", "capsule", "hull"};
+static_assert(std::size(names_of_kinds) == detail::Population::kinds);
 template <class Item>
-constexpr ItemKind kind_of() {
-  using detail::Population;
-  if constexpr (std::is_same_v<Item, Particle>) return {"particle", &Population::particles};
-  if constexpr (std::is_same_v<Item, Rod>) return {"rod", &Population::rods};
-  if constexpr (std::is_same_v<Item, Bend>) return {"bend", &Population::bends};
-  if constexpr (std::is_same_v<Item, Tackle>) return {"tackle", &Population::tackles};
-  if constexpr (std::is_same_v<Item, Body>) return {"body", &Population::bodies};
-  if constexpr (std::is_same_v<Item, Pin>) return {"pin", &Population::pins};
-  if constexpr (std::is_same_v<Item, Alignment>) return {"alignment", &Population::alignments};
-  if constexpr (std::is_same_v<Item, AngleControl>) return {"angle", &Population::angles};
-  if constexpr (std::is_same_v<Item, Spring>) return {"spring", &Population::springs};
-  if constexpr (std::is_same_v<Item, Torsion>) return {"torsion", &Population::torsions};
-  if constexpr (std::is_same_v<Item, Capsule>) return {"capsule", &Population::capsules};
-  if constexpr (std::is_same_v<Item, Hull>) return {"hull", &Population::hulls};
+constexpr const char* name_of = names_of_kinds[detail::kind_of<Item>()];
+
+template <class Item>
+const detail::Numbers& numbers_of(const detail::Population& population) {
+  return *population.all()[detail::kind_of<Item>()];
 }
 
 }  // namespace
 
 template <class Item>
 Handle<Item> World::handle(std::uint32_t number) const {
-  constexpr ItemKind kind = kind_of<Item>();
-  const detail::Numbers& numbers = impl_->step->population().*kind.numbers;
-  Impl::require_one_of(numbers.count(), kind.name, number);
+  const detail::Numbers& numbers = numbers_of<Item>(impl_->step->population());
+  Impl::require_one_of(numbers.count(), name_of<Item>, number);
   if (!numbers.has(number)) return {};
   return {number, numbers.generation(number)};
 }
 
 template <class Item>
 std::uint32_t World::number(Handle<Item> handle) const {
-  constexpr ItemKind kind = kind_of<Item>();
-  const detail::Numbers& numbers = impl_->step->population().*kind.numbers;
+  const detail::Numbers& numbers = numbers_of<Item>(impl_->step->population());
   const auto [number, generation] = handle;
-  if (!handle) refuse(kind.name, ": the handle names none");
+  if (!handle) refuse(name_of<Item>, ": the handle names none");
   if (number >= numbers.count() || numbers.generation(number) < generation || generation % 2 == 0)
-    refuse(kind.name, ' ', number, ": the handle, of generation ", generation, ", is not of this world");
+    refuse(name_of<Item>, ' ', number, ": the handle, of generation ", generation, ", is not of this world");
   if (numbers.generation(number) != generation)
-    refuse(kind.name, ' ', number, ": was removed; its handle is of generation ", generation, ", now ",
+    refuse(name_of<Item>, ' ', number, ": was removed; its handle is of generation ", generation, ", now ",
            numbers.generation(number));
   return number;
 }
 
 template <class Item>
 bool World::has(Handle<Item> handle) const {
-  const detail::Numbers& numbers = impl_->step->population().*kind_of<Item>().numbers;
+  const detail::Numbers& numbers = numbers_of<Item>(impl_->step->population());
   const auto [number, generation] = handle;
   return handle && number < numbers.count() && numbers.generation(number) == generation &&
          numbers.has(number);
@@ -266,5 +255,20 @@ PLUMB_NAMES(Torsion)
 PLUMB_NAMES(Capsule)
 PLUMB_NAMES(Hull)
 #undef PLUMB_NAMES
+
+template <class Item>
+void World::cut(Handle<Item> item) {
+  if constexpr (std::is_same_v<Item, Rod>)
+    cut(number(item));
+  else
+    impl_->step->cut(detail::kind_of<Item>(), name_of<Item>, number(item));
+}
+
+template PLUMB_API void World::cut(Handle<Rod>);
+template PLUMB_API void World::cut(Handle<Pin>);
+template PLUMB_API void World::cut(Handle<Alignment>);
+template PLUMB_API void World::cut(Handle<AngleControl>);
+template PLUMB_API void World::cut(Handle<Spring>);
+template PLUMB_API void World::cut(Handle<Torsion>);
 
 }  // namespace plumb
