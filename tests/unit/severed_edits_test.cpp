@@ -190,8 +190,7 @@ TEST(Severing, LetsFallWhatHangs) {
   });
 }
 
-// Pins lie behind each other: what is fixed and freed, joined and made heavier in the same step does not
-// mind.
+// Particles are freed, fixed, joined and made heavier in the steps that sever what has them.
 TEST(Severing, GoesWithOtherEdits) {
   for_jointed_settings([](const Settings& settings) {
     Scene scene = thrown();
@@ -265,7 +264,7 @@ TEST(Severing, IsTheSameOnTwoThreads) {
   }
 }
 
-// A figure that sleeps wakes, and so does what lies on it; another sleeps on.
+// A figure that sleeps wakes, and another sleeps on.
 TEST(Severing, WakesWhatSleeps) {
   Scene scene = test::floor_alone();
   for (const double x : {0.0, 9.0}) {
@@ -276,6 +275,7 @@ TEST(Severing, WakesWhatSleeps) {
   World world(scene, {.substeps = 4, .sleep = true, .events = true});
   step(world, 2);
   const Vec3 place = world.position(0), other = world.position(8);
+  EXPECT_EQ(place, scene.particles[0].position) << "it sleeps";
   sever(world);
   world.step(frame);
   EXPECT_TRUE(std::any_of(world.events().begin(), world.events().end(),
