@@ -28,7 +28,8 @@ Enum word(std::string_view name, std::string_view text, const std::vector<Enum>&
 std::uint32_t count(std::string_view name, std::string_view text) {
   const auto value = parse_number<std::uint32_t>(text);
   if (!value)
-    throw InputError(std::string(name) + " must be a whole number from 0 on, not '" + std::string(text) + "'");
+    throw InputError(std::string(name) + " must be a whole number from 0 on, not '" + std::string(text) +
+                     "'");
   return *value;
 }
 
@@ -270,7 +271,8 @@ bool forget(Settings& settings, std::string_view setting) {
 
 std::vector<Comparison> comparisons() {
   return {{"mass against equal",
-           "Rods are corrected in turn. A pull moves a light end more than a heavy one, and by mass does so, too. "
+           "Rods are corrected in turn. A pull moves a light end more than a heavy one, and by mass does so, "
+           "too. "
            "Equal moves both alike. The pale reference solves all rods at once.",
            {{"direct", direct()},
             {"by mass", relaxed_closely(Weights::mass)},
