@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plumb/error.hpp"
+#include "support/figures.hpp"
 #include "support/refusals.hpp"
 #include "view/exhibits.hpp"
 
@@ -132,6 +133,31 @@ TEST(ViewSide, GoesOnWithRodsThatAreCut) {
   exhibit.take({.verb = Verb::cut, .number = 8});
   EXPECT_TRUE(side.is_gone(8));
   EXPECT_NE(refusal([&] { exhibit.take({.verb = Verb::cut, .number = 8}); }), "");
+}
+
+TEST(ViewSide, SeversALimbWhoseRodIsCut) {
+  for (const Method method : {Method::automatic, Method::direct}) {
+    Scene figure;
+    test::add_figure(figure, {0, 2, 0});
+    Exhibit exhibit({"figure", figure, {{"one", {.method = method, .substeps = 2}}}});
+    run(exhibit, 10);
+    const Side& side = exhibit.sides()[0];
+    const Scene before = side.scene();
+    const auto& limb = before.bodies.back().particles;
+    const auto is_of_limb = [&](std::uint32_t particle) {
+      return std::count(limb.begin(), limb.end(), particle) > 0;
+    };
+    const auto rod = std::find_if(before.rods.begin(), before.rods.end(),
+                                  [&](const Rod& each) { return is_of_limb(each.a) && is_of_limb(each.b); });
+    const auto number = static_cast<std::uint32_t>(rod - before.rods.begin());
+    exhibit.take({.verb = Verb::cut, .number = number});
+    EXPECT_LT(side.scene().pins.size(), before.pins.size());
+    EXPECT_FALSE(side.is_gone(number));
+    run(exhibit, 60);
+    EXPECT_TRUE(is_sound(exhibit));
+    EXPECT_NE(refusal([&] { exhibit.take({.verb = Verb::cut, .number = number}); }).find("no joint holds"),
+              std::string::npos);
+  }
 }
 
 TEST(ViewSide, MethodsFollowEachOther) {

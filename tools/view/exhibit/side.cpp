@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumb/error.hpp"
+#include "view/exhibit/limbs.hpp"
 
 namespace plumb::view {
 namespace {
@@ -213,7 +214,8 @@ void Side::cut(std::uint32_t rod) {
     lose(rod);
     islands_ = find_islands(scene_, rod_numbers_);
   } catch (const InputError&) {
-    cut_in_new_world(rod);
+    const std::optional<Scene> severed = with_limb_severed(scene_, rod);
+    severed ? rebuild(*severed, start_.settings) : cut_in_new_world(rod);
   }
 }
 

@@ -45,6 +45,7 @@ class Side {
   void set_gravity(Vec3 gravity);
   void set_drag(double drag);
   void set_end_mass(double mass);
+  /// One of a body cannot be cut: what holds that body is.
   void cut(std::uint32_t rod);
   void fix(std::uint32_t particle);
   /// An anchor without mass gets the mean mass of the others.
