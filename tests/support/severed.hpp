@@ -3,10 +3,15 @@
 #include <cstdint>
 
 #include "plumb/plumb.hpp"
+#include "support/bodies.hpp"
 #include "support/figures.hpp"
 
 /// Figures that tests sever.
 namespace plumb::test {
+
+inline void step(World& world, int times) {
+  for (int i = 0; i < times; ++i) world.step(frame);
+}
 
 template <class Item>
 void cut(World& world, std::uint32_t number = 0) {

@@ -23,14 +23,10 @@ using test::add_figure;
 using test::cut;
 using test::expect_refusal;
 using test::for_jointed_settings;
+using test::frame;
 using test::sever;
+using test::step;
 using test::thrown;
-
-constexpr double frame = 1.0 / 60;
-
-void step(World& world, int times) {
-  for (int i = 0; i < times; ++i) world.step(frame);
-}
 
 Momentum momentum(const World& world, const Settings& settings) {
   return measure_momentum(world.scene(), test::positions_of(world), test::velocities_of(world),

@@ -18,14 +18,10 @@ namespace {
 using test::cut;
 using test::expect_refusal;
 using test::for_jointed_settings;
+using test::frame;
 using test::sever;
+using test::step;
 using test::thrown;
-
-constexpr double frame = 1.0 / 60;
-
-void step(World& world, int times) {
-  for (int i = 0; i < times; ++i) world.step(frame);
-}
 
 TEST(Severing, GivesNumbersBack) {
   Scene scene = thrown();

@@ -31,7 +31,7 @@ export class Painter {
     this.sides = [];
     this.ground = this.model.solid.length ? makeTriangles(gl, this.model.solid) : null;
     this.planes = this.model.planes.map((plane) => ({ ...plane, triangles: makeTriangles(gl, plane.corners) }));
-    this.end = scene.masses.findLastIndex((mass) => mass !== null);
+    this.end = this.model.end;
     return this.model;
   }
 

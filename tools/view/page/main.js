@@ -162,7 +162,7 @@ function showNumbers() {
     item.querySelector("span").textContent = (i > 0 ? percentText(100 * side.distance) : frame.sides.length > 1 ? "reference" : "")
       + (frame.playing ? "" : ` · state ${hashText(side.hash)}`);
   });
-  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.scene.masses, lastSides.end_mass);
+  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.masses, lastSides.end_mass);
   byId("counters").innerHTML = counterRows(frame);
   byId("stages").innerHTML = stageRows(frame, panel.stages ?? []);
   showKey(byId("key"), painter, frame);

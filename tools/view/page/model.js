@@ -12,6 +12,7 @@ export class Model {
     this.rods = scene.rods.length / 2;
     this.places = []; // weighted places behind the particles
     this.measure();
+    this.weigh();
     this.buildSticks();
     this.buildBalls();
     this.buildHulls();
@@ -108,6 +109,18 @@ export class Model {
     this.balls = new Uint32Array(round.keys());
     this.ballRadii = new Float32Array(round.values());
     this.usualMass = usual;
+  }
+
+  /** Finds the last particle that moves, which the slider of the end mass sets, and the range of the others' masses. */
+  weigh() {
+    const { masses } = this.scene;
+    this.end = masses.findLastIndex((mass) => mass !== null);
+    this.masses = { least: Infinity, most: 0, end: masses[this.end] ?? null };
+    masses.forEach((mass, i) => {
+      if (mass === null || i === this.end) return;
+      this.masses.least = Math.min(this.masses.least, mass);
+      this.masses.most = Math.max(this.masses.most, mass);
+    });
   }
 
   buildHulls() {

@@ -101,8 +101,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
                    std::uint32_t substeps, double dt, Tally& report);
   bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
-             double dt, Tally& report);
-  bool can_relax(const LinkageState& state, double dt) const;
+             double dt, Tally& report, bool with_bodies = false);
+  bool can_relax(const LinkageState& state, double dt, bool with_bodies) const;
   bool relax_stuck(std::span<LinkageState* const> cluster, const Surroundings& where, double h, double& vain,
                    Tally& report);
   bool have_sunk(double h);
@@ -371,18 +371,18 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: something pushes, or is near
-  bool looks_for_crowd_ = false, found_crowd_ = false;  ///< what presses in many places is relaxed; and does
-  bool in_crowd_ = false, is_stuck_ = false;  ///< then what gives is relaxed, or nets with bodies, unsolved
+  bool looks_for_crowd_ = false;                       ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
   bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
   bool has_momentum_ = false, has_nets_ = false;  ///< sweeps go on the way they went; some island is a net
   double kept_of_overlaps_ = 1;                   ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;  ///< the last try found no positions, rather than that something gained energy
-  bool loose_ = false, sweeps_ground_ = false;  ///< ground grips loosely, or is swept: else nothing was found
+  bool loose_ = false, sweeps_ground_ = false;    ///< ground grips loosely, or is swept, as nothing was found
   bool is_wide_ = false, knows_answers_ = false;  ///< pushes are found freely; responses are those of rows_
   Array<FreeTerm> free_terms_;
   Array<double> last_pushes_, swept_from_;        ///< then, of rows
-  bool keeps_slack_ = false, takes_end_ = false;  ///< which elastics are slack is known; they are to damp
+  bool keeps_slack_ = false, takes_end_ = false;  ///< what is slack is known; what gained energy is to damp
   int switches_ = 0, halvings_ = 0;               ///< how often that was changed in it; those of this step
   Rounds rounds_;
   Flight flight_;

@@ -163,13 +163,13 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
 bool ClusterStepper::relax_stuck(std::span<LinkageState* const> cluster, const Surroundings& where, double h,
                                  double& vain, Tally& report) {
   if (h == vain || overload_.state != nullptr || !any_touch() || any_bends()) return false;
-  is_stuck_ = has_nets_;
-  const bool is_tried = std::all_of(cluster.begin(), cluster.end(),
-                                    [&](const LinkageState* each) { return can_relax(*each, h); });
-  const bool is_relaxed = is_tried && relax(cluster, where, 1, h, report);
-  is_stuck_ = false;
-  if (is_tried && may_sink_) vain = h;
-  if (!is_relaxed) return false;
+  if (!std::all_of(cluster.begin(), cluster.end(),
+                   [&](const LinkageState* each) { return can_relax(*each, h, has_nets_); }))
+    return false;
+  if (!relax(cluster, where, 1, h, report, has_nets_)) {
+    if (may_sink_) vain = h;
+    return false;
+  }
   ++report.fallbacks;
   for (LinkageState* const state : cluster) state->relax_for = is_line(cluster) ? 0 : patience;
   return true;
@@ -330,19 +330,20 @@ void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
   }
 }
 
-bool ClusterStepper::can_relax(const LinkageState& state, double dt) const {
+bool ClusterStepper::can_relax(const LinkageState& state, double dt, bool with_bodies) const {
   const Linkage& linkage = *state.linkage;
   return relaxed_ &&
-         (strain_ != Strain::none || is_stuck_ ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
+         (strain_ != Strain::none || with_bodies ? linkage.can_relax() : linkage.relaxes_well(in_crowd_)) &&
          throw_of(state, dt) <= farthest_throw * linkage.size();
 }
 
-/// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
-/// if some island cannot be relaxed or its rods are too far from their lengths.
+/// Relaxes a step of dt (s), and brings rods to their lengths after it. Bodies are relaxed where rods do not
+/// fit, or if that is asked for. Returns false, and nothing has moved, if some island cannot be relaxed or
+/// its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                           std::uint32_t substeps, double dt, Tally& report) {
+                           std::uint32_t substeps, double dt, Tally& report, bool with_bodies) {
   if (!std::all_of(cluster.begin(), cluster.end(),
-                   [&](const LinkageState* each) { return can_relax(*each, dt); }))
+                   [&](const LinkageState* each) { return can_relax(*each, dt, with_bodies); }))
     return false;
   keep_motion(cluster);
   Tally tried = report;

@@ -5,7 +5,7 @@ const NEAR = 1, APART = 10; // percent
 const MUCH = 2; // times as far
 const ALIKE = 0.1; // of the larger one
 
-const mean = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
+const rms = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
 
 /** Spells how far a world is from the first, in percent. */
 export function percentText(percent) {
@@ -22,25 +22,18 @@ function compared(sides) {
   return how[0] === how[1] ? found : null;
 }
 
-/** Returns whether particles that move weigh alike, of which the slider, if there is one, sets the last. */
-function areAlike(masses, endMass) {
-  const own = masses.filter((mass) => mass !== null);
-  if (endMass !== null) own[own.length - 1] = endMass;
-  const [least, most] = own.reduce(([low, high], mass) => [Math.min(low, mass), Math.max(high, mass)], [Infinity, 0]);
-  return most <= (1 + ALIKE) * least;
-}
-
 /**
- * Returns a sentence on worlds, whose distances (%) of the last seconds `series` lists; or none. `masses` are those of
- * their particles, and `endMass` that of the slider, if there is one.
+ * Returns a sentence on worlds, whose distances (%) of the last seconds `series` lists; or none. `masses` has those of
+ * their particles, and `endMass` is that of the slider, if there is one.
  */
-export function verdict(sides, series, masses, endMass) {
+export function verdict(sides, series, { least, most, end }, endMass) {
   const both = compared(sides)?.map((i) => series[i]?.slice(-RECENT));
   if (!both || !both.every((list) => list?.length >= 60)) return "";
-  const [m, e] = both.map(mean), far = Math.max(m, e);
+  const [m, e] = both.map(rms), far = Math.max(m, e);
   if (!Number.isFinite(far)) return "One of them flew apart.";
   const heavier = endMass !== null ? " Make the end heavier." : "";
-  if (areAlike(masses, endMass)) return "All masses are alike, so that weights do not matter." + heavier;
+  const last = endMass ?? end;
+  if (Math.max(most, last) <= (1 + ALIKE) * Math.min(least, last)) return "All masses are alike, so that weights do not matter." + heavier;
   if (far < NEAR) return "Both move as the reference does." + heavier;
   if (e > MUCH * m)
     return m < APART ? "By mass moves as the reference does. Equal does not." : "By mass is nearer to the reference.";
