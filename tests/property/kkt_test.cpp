@@ -96,7 +96,8 @@ struct Net {
 };
 
 Array<simd::Block> matrix_of(const Problem& problem, const KktPlan& plan) {
-  Array<simd::Block> blocks = plan.empty_matrix();
+  Array<simd::Block> blocks(plan.blocks());
+  plan.clear(blocks);
   const std::span<double> values = numbers(blocks);
   for (const auto& [a, b] : problem.couplings)
     values[plan.place(a, b)] = static_cast<double>(problem.dense(a, b));
@@ -148,7 +149,8 @@ TEST(Kkt, SolvesNets) {
   for (const std::uint32_t n : {9u, 20u, 40u}) {
     const Net net(n, n);
     const KktPlan plan(net.particles, net.rods, net.couplings, Isa::scalar);
-    Array<simd::Block> blocks = plan.empty_matrix();
+    Array<simd::Block> blocks(plan.blocks());
+    plan.clear(blocks);
     const std::uint32_t size = 3 * net.particles + net.rods;
     Eigen::SparseMatrix<double> matrix(size, size);
     std::vector<Eigen::Triplet<double>> entries;
@@ -268,7 +270,8 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
 TEST(Kkt, SaysWhatHasNoFactors) {
   const std::pair<std::uint32_t, std::uint32_t> couplings[] = {{3, 0}};
   const KktPlan plan(1, 1, couplings, Isa::scalar);
-  Array<simd::Block> blocks = plan.empty_matrix();  // no mass at all
+  Array<simd::Block> blocks(plan.blocks());
+  plan.clear(blocks);  // no mass at all
   EXPECT_FALSE(plan.factor(blocks));
 }
 

@@ -34,7 +34,7 @@ class Ball {
       EXPECT_TRUE(ground_.factor(state_));
       unknowns.assign(unknowns.size(), simd::Quad{});
       linkage_.add(Combination{{{{0, 1}}}, 1}, push, numbers(unknowns));
-      ground_.add_pushes(linkage_, numbers(unknowns));
+      ground_.add_pushes(linkage_, std::array{moved}, numbers(unknowns));
       linkage_.plan().solve(state_.factors, unknowns);
       moved = linkage_.taken(numbers(unknowns), 0);
       ground_.follow_solution(std::array{moved});

@@ -72,7 +72,8 @@ TEST(ShapeMaker, FindsWhatAShapeTurnsWith) {
   const auto last = static_cast<std::uint32_t>(scene.particles.size() - 1), rod = last - 2;
   scene.rods.push_back({.a = last - 1, .b = last});
   const auto turning = [&](const Point& a, const Point& b) {
-    return ShapeMaker(scene).make({.a = a, .b = b, .radius = 0.1}).turning;
+    TermPool places;
+    return ShapeMaker(scene).make({.a = a, .b = b, .radius = 0.1}, places).turning;
   };
   const Point inside = point_on_body(scene, body, {0.1, 0, 0});
   EXPECT_EQ(turning(inside, inside), Turning::body);

@@ -102,13 +102,34 @@ TEST(Visitor, ProjectionsMakeConstraintsHold) {
   EXPECT_FALSE(Visitor().has_home());
 }
 
+TEST(TermPool, LetsSumsStayWhereTheyAre) {
+  TermPool pool;
+  const auto sum_of = [](std::uint32_t number) {
+    Combination out;
+    for (std::uint32_t i = 0; i <= number % 8; ++i) out.add(number + i, number - 0.5 * i);
+    return out;
+  };
+  for (int round = 0; round < 2; ++round) {
+    Array<Terms> kept;
+    for (std::uint32_t number = 0; number < 100; ++number) kept.push_back(pool.keep(sum_of(number)));
+    for (std::uint32_t number = 0; number < 100; ++number) {
+      ASSERT_EQ(kept[number].size(), number % 8 + 1);
+      for (std::size_t i = 0; i < kept[number].size(); ++i) {
+        EXPECT_EQ(kept[number][i].particle, number + i);
+        EXPECT_EQ(kept[number][i].weight, number - 0.5 * static_cast<double>(i));
+      }
+    }
+    pool.clear();
+  }
+}
+
 TEST(LinkageBounds, HoldEveryShape) {
   test::Linkages islands(figure());
   const LinkageState& state = islands.states.front();
   const Bounds tight = bounds_of(*state.linkage, state.x, 0);
   for (const Linkage::Shape& shape : state.linkage->shapes())
-    for (const ShapePlace* end : {&shape.a, &shape.b}) {
-      const Vec3 p = end->of(state.x);
+    for (const Terms end : {shape.a, shape.b}) {
+      const Vec3 p = end.of(state.x);
       for (const double by : {-shape.radius, shape.radius}) {
         EXPECT_GE(p.x + by, tight.low.x - 1e-12);
         EXPECT_LE(p.y + by, tight.high.y + 1e-12);

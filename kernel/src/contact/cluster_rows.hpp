@@ -101,7 +101,7 @@ struct ClusterRows {
   /// where it is touched.
   struct ContactEnd {
     std::uint32_t island;
-    const Combination* at;
+    Terms at;
     std::uint32_t shape;
     Vec3 arm;
   };

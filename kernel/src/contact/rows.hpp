@@ -14,21 +14,18 @@
 namespace plumb::detail {
 
 /// Returns a place between two others, from 0 to 1.
-template <class Place>
-Combination blend(const Place& a, const Place& b, double t) {
+inline Combination blend(Terms a, Terms b, double t) {
+  if (t <= 0) return a;
+  if (t >= 1) return b;
   Combination out;
-  if (t <= 0) {
-    out = a;
-  } else if (t >= 1) {
-    out = b;
-  } else if (a.count == 1 && b.count == 1 && a.terms[0].particle != b.terms[0].particle) {
+  if (a.size() == 1 && b.size() == 1 && a[0].particle != b[0].particle) {
     // This is how most lines are.
-    out.terms[0] = {a.terms[0].particle, (1 - t) * a.terms[0].weight};
-    out.terms[1] = {b.terms[0].particle, t * b.terms[0].weight};
+    out.terms[0] = {a[0].particle, (1 - t) * a[0].weight};
+    out.terms[1] = {b[0].particle, t * b[0].weight};
     out.count = 2;
   } else {
-    for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
-    for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
+    for (const auto& [particle, weight] : a) out.add(particle, (1 - t) * weight);
+    for (const auto& [particle, weight] : b) out.add(particle, t * weight);
   }
   return out;
 }

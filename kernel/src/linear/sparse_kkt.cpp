@@ -69,10 +69,9 @@ std::uint32_t KktPlan::place(std::uint32_t a, std::uint32_t b) const {
   return 16 * block(low / 4, high / 4) + 4 * (low % 4) + high % 4;
 }
 
-Array<simd::Block> KktPlan::empty_matrix() const {
-  Array<simd::Block> out(blocks(), simd::Block{});
-  for (const std::uint32_t at : padding_) out[at / 4].of[5 * (at % 4)] = 1;
-  return out;
+void KktPlan::clear(std::span<simd::Block> matrix) const {
+  std::fill(matrix.begin(), matrix.end(), simd::Block{});
+  for (const std::uint32_t at : padding_) matrix[at / 4].of[5 * (at % 4)] = 1;
 }
 
 bool KktPlan::factor(std::span<simd::Block> blocks) const {

@@ -42,8 +42,10 @@ class KktPlan {
   /// Says where the entry of two unknowns is among the numbers of the blocks. That of one with itself is on
   /// the diagonal.
   std::uint32_t place(std::uint32_t a, std::uint32_t b) const;
-  /// Returns zeros, with ones on the diagonal where no unknown stands, so that blocks have inverses.
-  Array<simd::Block> empty_matrix() const;
+  /// Says where on the diagonal the unknown at a position has its entry.
+  static std::uint32_t own_place(std::uint32_t position) { return 16 * (position / 4) + 5 * (position % 4); }
+  /// Writes zeros, and ones on the diagonal where no unknown stands, so that blocks have inverses.
+  void clear(std::span<simd::Block> matrix) const;
   /// Says where an unknown stands in vectors that are solved.
   std::uint32_t position(std::uint32_t unknown) const { return position_[unknown]; }
 

@@ -40,7 +40,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   linkage.targets(island.directions(), island.d, island.there, state.lengths.squares(), right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
-  island.ground.add_pushes(linkage, right);
+  island.ground.add_pushes(linkage, island.d, right);
   state.solve(island.unknowns);
   for (ElasticStep& step : island.elastics) step.p = 0;
   pull_elastics(island, 1);
@@ -91,7 +91,7 @@ void ClusterStepper::balance_velocities(Island& island) {
     if ((step == 0 || island.ground.is_stale()) && !factor_on_ground(island, true)) return;
     std::fill(right.begin(), right.end(), 0.0);
     fill_velocities(island);
-    island.ground.add_pushes(linkage, right);
+    island.ground.add_pushes(linkage, island.v, right);
     state.solve(island.unknowns);
     island.step.assign(state.x.size(), Vec3{});
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)

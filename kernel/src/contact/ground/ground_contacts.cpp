@@ -40,41 +40,9 @@ double size_of(const Sym3& m) {
       {std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
 }
 
-}  // namespace
-
-GroundContacts::Row::Wanted GroundContacts::Row::wanted(Vec3 moved_to) const {
-  const Vec3 at = moved_to - carried;
-  const Vec3 n = contact.normal;
-  const double held_along = dot(held, n), along = dot(at, n);
-  return {held_along - stiffness * (along + gap), held - held_along * n - grip * (at - along * n)};
-}
-
-auto GroundContacts::Row::state_at(Vec3 at) const -> State {
-  const auto [normal, across] = wanted(at);
-  if (is_open || !(normal > 0)) return State::open;
-  return dot(across, across) <= bound * bound ? State::sticks : State::slides;
-}
-
-Vec3 GroundContacts::Row::law_at(Vec3 at, State as) const {
-  const auto [normal, across] = wanted(at);
-  if (as == State::open) return {};
-  return normal * contact.normal + (as == State::sticks ? 1 : bound / norm(across)) * across;
-}
-
-Sym3 GroundContacts::Row::slope_at(Vec3 at, State as) const {
-  if (as == State::open) return {};
-  const Sym3 along = outer(1, contact.normal);
-  if (as == State::sticks) return stiffness * along + grip * (Sym3::diagonal(1) - along);
-  const Vec3 across = wanted(at).across;
-  const double size = norm(across);
-  return stiffness * along +
-         (grip * bound / size) * (Sym3::diagonal(1) - along - outer(1 / (size * size), across));
-}
-
-/// Returns whether the slope in the matrix leads astray. The two parts of a slope are far apart in size, and
-/// what holds against sliding matters next to masses.
-bool GroundContacts::Row::is_stale() const {
-  const Vec3 n = contact.normal;
+/// Returns whether the slope in the matrix leads astray, along the unit vector n and across it. The two parts
+/// are far apart in size, and what holds against sliding matters next to masses.
+bool leads_astray(const Sym3& slope, const Sym3& next, Vec3 n, double mass) {
   const double along = dot(n, slope * n), along_next = dot(n, next * n);
   if ((along > 0) != (along_next > 0) || along_next > 2 * along) return true;
   const Sym3 across = slope - outer(along, n), across_next = next - outer(along_next, n);
@@ -82,9 +50,52 @@ bool GroundContacts::Row::is_stale() const {
   return size_of(across_next - across) > stale * (mass + least);
 }
 
+}  // namespace
+
+const GroundContact::More GroundContact::no_more{};
+
+GroundContacts::Wanted GroundContacts::wanted(const Row& row, Vec3 moved_to) const {
+  const Vec3 at = moved_to - row.carried, n = row.contact.normal;
+  const double held_along = dot(row.held, n), along = dot(at, n);
+  return {held_along - stiffness_ * row.mass * (along + row.gap),
+          row.held - held_along * n - grip_ * row.mass * (at - along * n)};
+}
+
+auto GroundContacts::state_at(const Row& row, Vec3 at) const -> State {
+  const auto [normal, across] = wanted(row, at);
+  if (row.is_open || !(normal > 0)) return State::open;
+  return dot(across, across) <= row.bound * row.bound ? State::sticks : State::slides;
+}
+
+Vec3 GroundContacts::law_at(const Row& row, Vec3 at, State as) const {
+  const auto [normal, across] = wanted(row, at);
+  if (as == State::open) return {};
+  return normal * row.contact.normal + (as == State::sticks ? 1 : row.bound / norm(across)) * across;
+}
+
+Sym3 GroundContacts::slope_at(const Row& row, Vec3 at, State as) const {
+  if (as == State::open) return {};
+  const double stiffness = stiffness_ * row.mass, grip = grip_ * row.mass;
+  const Sym3 along = outer(1, row.contact.normal);
+  if (as == State::sticks) return stiffness * along + grip * (Sym3::diagonal(1) - along);
+  const Vec3 across = wanted(row, at).across;
+  const double size = norm(across);
+  return stiffness * along +
+         (grip * row.bound / size) * (Sym3::diagonal(1) - along - outer(1 / (size * size), across));
+}
+
+void GroundContacts::clear() {
+  rows_.clear();
+  more_.clear();
+  terms_.clear();
+  answering_.clear();
+}
+
 void GroundContacts::add(const GroundContact& contact, double heaviest) {
   Row& row = rows_.add();
   row.contact = contact;
+  row.contact.at = terms_.keep(contact.at);
+  if (contact.more != &GroundContact::no_more) row.contact.more = &(more_.add() = *contact.more);
   row.mass = heaviest;
 }
 
@@ -97,10 +108,8 @@ void GroundContacts::begin(Row& row, double gap, Vec3 held, bool is_open) {
 }
 
 void GroundContacts::grip() {
-  for (Row& row : rows_) {
-    row.stiffness = ease_ * stiffness_over_mass * row.mass;
-    row.grip = (is_loose_ ? loose : ease_) * grip_over_mass * row.mass;
-  }
+  stiffness_ = ease_ * stiffness_over_mass;
+  grip_ = (is_loose_ ? loose : ease_) * grip_over_mass;
 }
 
 void GroundContacts::begin_grip() {
@@ -118,7 +127,7 @@ void GroundContacts::begin_positions(bool is_loose, bool settles) {
   begin_grip();
   for (Row& row : rows_) {
     row.position = {};
-    row.carried = row.contact.carried;
+    row.carried = row.contact.more->carried;
     begin(row, row.contact.gap, row.contact.held, false);
   }
 }
@@ -127,7 +136,7 @@ void GroundContacts::begin_velocities() {
   begin_grip();
   for (Row& row : rows_) {
     row.position = row.push;
-    row.carried = row.contact.carried_at_end;
+    row.carried = row.contact.more->carried_at_end;
     begin(row, -row.contact.bounce, row.contact.held_end, row.position == Vec3{});
   }
 }
@@ -135,11 +144,11 @@ void GroundContacts::begin_velocities() {
 void GroundContacts::follow_round(const LinkageState& state) {
   for (Row& row : rows_) {
     GroundContact& contact = row.contact;
-    if (!contact.round) continue;
+    if (!contact.more->round) continue;
     const Linkage::Shape& shape = state.linkage->shape_of(contact.shape);
-    const Touch near = touch({shape.a.of(state.x), shape.b.of(state.x), shape.radius}, *contact.round);
+    const Touch near = touch({shape.a.of(state.x), shape.b.of(state.x), shape.radius}, *contact.more->round);
     if (!(near.a > 0 && near.a < 1)) continue;
-    contact.at = blend(shape.a, shape.b, near.a);
+    contact.at = terms_.keep(blend(shape.a, shape.b, near.a));
     contact.normal = near.normal;
   }
 }
@@ -148,11 +157,10 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
   const bool firms = lack_ < enough_to_grip && ease_ < 1;
   for (Row& row : rows_) {
     row.moved = row.contact.at.of(motion);
-    row.given = linkage.of_fixed(row.contact.at, motion);
     if (bounds_follow) {
       row.bound = row.contact.friction * std::max(0.0, dot(row.push, row.contact.normal));
     }
-    row.state = row.state_at(row.moved);
+    row.state = state_at(row, row.moved);
   }
   // What sticks, slides and is open with a looser grip is expected to do so with a firmer one.
   if (firms) {
@@ -165,7 +173,7 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
   --settlements_;
   for (Row& row : rows_) {
     row.held = row.push;
-    row.state = row.state_at(row.moved);
+    row.state = state_at(row, row.moved);
   }
   find_laws(linkage);
 }
@@ -184,12 +192,11 @@ void GroundContacts::find_laws(const Linkage& linkage) {
   double most = 0, most_lack = 0, stiffest = 0;
   is_stale_ = false;
   for (Row& row : rows_) {
-    row.law = row.law_at(row.moved, row.state);
-    row.next = row.slope_at(row.moved, row.state);
-    stiffest = std::max(stiffest, row.stiffness);
+    row.law = law_at(row, row.moved, row.state);
+    stiffest = std::max(stiffest, stiffness_ * row.mass);
     most = std::max(most, norm(row.law));
     most_lack = std::max(most_lack, norm(row.law - row.push));
-    is_stale_ = is_stale_ || row.is_stale();
+    is_stale_ = is_stale_ || leads_astray(row.slope, slope(row), row.contact.normal, row.mass);
   }
   const double least = residual_rounding * linkage.size() * stiffest;
   lack_ = most_lack <= least ? 0 : most_lack / std::max(most, most_lack);
@@ -198,7 +205,7 @@ void GroundContacts::find_laws(const Linkage& linkage) {
 
 bool GroundContacts::factor(LinkageState& state) {
   for (Row& row : rows_) {
-    row.slope = row.next;
+    row.slope = slope(row);
     if (row.slope.xx + row.slope.yy + row.slope.zz > 0)
       state.linkage->stiffen(row.contact.at, row.slope, state.factors);
   }
@@ -213,8 +220,11 @@ void GroundContacts::add(const Linkage& linkage, std::span<double> right, Push&&
   }
 }
 
-void GroundContacts::add_pushes(const Linkage& linkage, std::span<double> right) const {
-  add(linkage, right, [](const Row& row) { return row.law + row.slope * (row.moved - row.given); });
+void GroundContacts::add_pushes(const Linkage& linkage, std::span<const Vec3> motion,
+                                std::span<double> right) const {
+  add(linkage, right, [&](const Row& row) {
+    return row.law + row.slope * (row.moved - linkage.of_fixed(row.contact.at, motion));
+  });
 }
 
 void GroundContacts::add_lack(const Linkage& linkage, std::span<double> right) const {
@@ -229,10 +239,16 @@ void GroundContacts::follow_solution(std::span<const Vec3> motion) {
   }
 }
 
+void GroundContacts::keep_slopes() {
+  answering_.clear();
+  for (const Row& row : rows_) answering_.push_back(row.slope);
+}
+
 void GroundContacts::follow_change(std::span<const Vec3> motion) {
+  auto answering = answering_.begin();
   for (Row& row : rows_) {
     const Vec3 moved = row.contact.at.of(motion);
-    row.push = row.push - row.answering * (moved - row.moved);
+    if (answering != answering_.end()) row.push = row.push - *answering++ * (moved - row.moved);
     row.moved = moved;
   }
 }
@@ -246,14 +262,14 @@ double GroundContacts::share_of(double inertia) const {
   for (const Row& row : rows_) {
     const Vec3 whole = row.law - row.slope * row.correction;
     now = std::max(now, norm(row.law - row.push));
-    then = std::max(then, norm(row.law_at(row.moved + row.correction) - whole));
+    then = std::max(then, norm(law_at(row, row.moved + row.correction) - whole));
   }
   if (then <= better * now) return 1;
   // The derivative of what is minimised, along the correction.
   const auto slope = [&](double share) {
     double sum = share * inertia;
     for (const Row& row : rows_)
-      sum += dot(row.correction, row.push - row.law_at(row.moved + share * row.correction));
+      sum += dot(row.correction, row.push - law_at(row, row.moved + share * row.correction));
     return sum;
   };
   const double at_start = slope(0);

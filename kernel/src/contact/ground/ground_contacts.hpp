@@ -12,26 +12,32 @@ namespace plumb::detail {
 
 /// This is where one island touches something fixed.
 struct GroundContact {
-  Combination at{};
-  Vec3 normal{};                     ///< unit vector out of the ground
-  double gap = 0;                    ///< m, what may be lost in the substep
-  double closes = 0;                 ///< m, by how much the gap would become smaller in it
-  double friction = 0;               ///< Coulomb's coefficient
-  double rolling = 0, spinning = 0;  ///< m, see Surface
-  double bounce = 0;                 ///< m/s, what it leaves with
+  /// What few contacts have.
+  struct More {
+    double rolling = 0, spinning = 0;  ///< m, see Surface
+    Vec3 carried{};                    ///< m, how the ground moves there
+    Vec3 carried_at_end{};             ///< m/s, how fast it does
+    Vec3 spin{};                       ///< 1/s, how fast it turns
+    /// The capsule of the ground that the shape's line touches between its ends, where the substep starts, if
+    /// it does.
+    std::optional<Segment> round{};
+  };
+  static const More no_more;
+
+  Terms at{};
+  Vec3 normal{};        ///< unit vector out of the ground
+  double gap = 0;       ///< m, what may be lost in the substep
+  double closes = 0;    ///< m, by how much the gap would become smaller in it
+  double friction = 0;  ///< Coulomb's coefficient
+  double bounce = 0;    ///< m/s, what it leaves with
+  double approach = 0;  ///< m/s, how fast it was about to be hit
   std::uint64_t key = 0;
   std::uint32_t shape = 0;  ///< its number
   std::uint32_t other = 0;  ///< the number of the ground, or of the other island's shape
-  double approach = 0;      ///< m/s, how fast it was about to be hit
   bool is_held = false;     ///< it pushed in the last substep, by what follows
   Vec3 held{};              ///< kg m, on positions
   Vec3 held_end{};          ///< kg m/s, on velocities
-  Vec3 carried{};           ///< m, how the ground moves there
-  Vec3 carried_at_end{};    ///< m/s, how fast it does
-  Vec3 spin{};              ///< 1/s, how fast it turns
-  /// The capsule of the ground that the shape's line touches between its ends, where the substep starts, if
-  /// it does.
-  std::optional<Segment> round{};
+  const More* more = &no_more;
 };
 
 /// Holds the contacts of one island with fixed ground, which stand in the island's own matrix.
@@ -46,10 +52,10 @@ struct GroundContact {
 /// share_of() searches along each of its steps.
 class GroundContacts {
  public:
-  void clear() { rows_.clear(); }
+  void clear();
   bool is_empty() const { return rows_.empty(); }
   std::size_t size() const { return rows_.size(); }
-  /// Adds a contact whose heaviest particle has this mass (kg).
+  /// Adds a copy of a contact whose heaviest particle has this mass (kg).
   void add(const GroundContact& contact, double heaviest);
 
   /// Begins to solve for positions. What `is_loose` grips by no more than a mass to the end. What `settles`
@@ -71,16 +77,14 @@ class GroundContacts {
   /// factorises it.
   bool factor(LinkageState& state);
 
-  /// Adds to the right hand side what a whole solution starts from.
-  void add_pushes(const Linkage& linkage, std::span<double> right) const;
+  /// Adds to the right hand side what a whole solution starts from, with the motion of the last look().
+  void add_pushes(const Linkage& linkage, std::span<const Vec3> motion, std::span<double> right) const;
   /// Adds what the last solution lacks, from which a correction starts.
   void add_lack(const Linkage& linkage, std::span<double> right) const;
   /// Takes in a whole solution.
   void follow_solution(std::span<const Vec3> motion);
   /// Keeps the slopes in the matrix by which the island's answers to other pushes have been found.
-  void keep_slopes() {
-    for (Row& row : rows_) row.answering = row.slope;
-  }
+  void keep_slopes();
   /// Takes in how other pushes changed the solution, through that matrix. Slopes that are newer would make
   /// pushes that nothing acts with.
   void follow_change(std::span<const Vec3> motion);
@@ -110,35 +114,31 @@ class GroundContacts {
     enum class State : std::uint8_t { open, sticks, slides };
     GroundContact contact;
     double mass = 0;       ///< of its heaviest particle, kg
-    double stiffness = 0;  ///< along the normal, kg
-    double grip = 0;       ///< across it, kg
     double gap = 0;        ///< m or m/s
     double bound = 0;      ///< of what holds against sliding, kg m or kg m/s
     bool is_open = false;  ///< it does not push
-    Vec3 held{};           ///< what it starts from
-    Vec3 push{};           ///< in balance with the last solution
-    Vec3 law{};            ///< what it is to be, at `moved`
-    Vec3 position{};       ///< the push on positions, once they are found
-    Vec3 moved{}, correction{};
-    Vec3 carried{};  ///< m or m/s, how the ground moves
     State state = State::open;
-    Vec3 given{};      ///< the part of `moved` that is that of fixed particles
-    Sym3 slope{};      ///< in the matrix
-    Sym3 next{};       ///< at `moved`
-    Sym3 answering{};  ///< in the matrix when other pushes' effects were found
-
-    /// Splits what the contact would push by if it neither slid nor let go.
-    struct Wanted {
-      double normal = 0;
-      Vec3 across{};
-    };
-    Wanted wanted(Vec3 at) const;
-    State state_at(Vec3 at) const;
-    Vec3 law_at(Vec3 at, State as) const;
-    Vec3 law_at(Vec3 at) const { return law_at(at, state_at(at)); }
-    Sym3 slope_at(Vec3 at, State as) const;
-    bool is_stale() const;
+    Vec3 carried{};   ///< m or m/s, how the ground moves
+    Vec3 held{};      ///< what it starts from
+    Vec3 push{};      ///< in balance with the last solution
+    Vec3 law{};       ///< what it is to be, at `moved`
+    Vec3 position{};  ///< the push on positions, once they are found
+    Vec3 moved{}, correction{};
+    Sym3 slope{};  ///< in the matrix
   };
+  using State = Row::State;
+
+  /// Splits what a contact would push by if it neither slid nor let go.
+  struct Wanted {
+    double normal = 0;
+    Vec3 across{};
+  };
+  Wanted wanted(const Row& row, Vec3 at) const;
+  State state_at(const Row& row, Vec3 at) const;
+  Vec3 law_at(const Row& row, Vec3 at, State as) const;
+  Vec3 law_at(const Row& row, Vec3 at) const { return law_at(row, at, state_at(row, at)); }
+  Sym3 slope_at(const Row& row, Vec3 at, State as) const;
+  Sym3 slope(const Row& row) const { return slope_at(row, row.moved, row.state); }
   void grip();
   void begin_grip();
   void begin(Row& row, double gap, Vec3 held, bool is_open);
@@ -148,7 +148,12 @@ class GroundContacts {
   template <class Push>
   void add(const Linkage& linkage, std::span<double> right, Push&& push) const;
 
-  Chunks<Row> rows_;  ///< a row is most of a kilobyte
+  Chunks<Row> rows_;
+  Chunks<GroundContact::More> more_;
+  TermPool terms_;
+  Array<Sym3> answering_;  ///< slopes in the matrix when other pushes' effects were found, or none
+  double stiffness_ = 0;   ///< along normals, by mass
+  double grip_ = 0;        ///< across them, by mass
   double lack_ = 0;
   double ease_ = 1;  ///< share of the grip
   bool is_stale_ = false;

@@ -10,10 +10,10 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-ClusterStepper::Sum ClusterStepper::add_sum(Island& island, const Combination& sum) {
+ClusterStepper::Sum ClusterStepper::add_sum(Island& island, Terms sum) {
   const auto first = static_cast<std::uint32_t>(island.terms.size());
-  island.terms.insert(island.terms.end(), sum.terms.begin(), sum.terms.begin() + sum.count);
-  return {first, first + sum.count};
+  island.terms.insert(island.terms.end(), sum.begin(), sum.end());
+  return {first, static_cast<std::uint32_t>(island.terms.size())};
 }
 
 std::uint32_t ClusterStepper::add_side(Island& island, const Side& side) {
@@ -43,8 +43,8 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
     row.held = contact.is_held;
     row.p = dot(contact.held, axes[axis]);
     row.q = dot(contact.held_end, axes[axis]);
-    row.given = dot(contact.carried, axes[axis]);
-    row.given_at_end = dot(contact.carried_at_end, axes[axis]);
+    row.given = dot(contact.more->carried, axes[axis]);
+    row.given_at_end = dot(contact.more->carried_at_end, axes[axis]);
   }
   Row& normal = rows_[first];
   normal.gap = contact.gap;
@@ -59,13 +59,13 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
     Island& island = islands_[end.island];
     const Linkage::Shape& shape = island.state->linkage->shape_of(end.shape);
     const double sign = &end == &ends[0] ? 1 : -1;
-    const Sum sum = add_sum(island, *end.at);
+    const Sum sum = add_sum(island, end.at);
     const std::uint32_t side = add_side(island, Side{sum, {}, sign * axes[0], {}});
     levers.end[levers.ends++] = {end.island, end.shape, side, none, sum, end.arm};
     if (shape.turning == Linkage::Shape::Turning::none) {
       for (const Vec3 t : {t1, t2}) add_side(island, Side{sum, {}, sign * t, {}});
     } else {
-      const Lever lever(shape, *end.at, end.arm, island.state->x);
+      const Lever lever(shape, end.at, end.arm, island.state->x);
       const std::uint32_t sliding = add_side(island, lever.sliding(t1), sign);
       // Both directions share their sums.
       const Sum a = island.sides[sliding].a, b = island.sides[sliding].b;
@@ -78,7 +78,7 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
   }
   if (!any_turns) return;
   levers_.push_back(levers);
-  if (contact.rolling > 0 || contact.spinning > 0) add_turning_rows(contact, ends, first, h);
+  if (contact.more->rolling > 0 || contact.more->spinning > 0) add_turning_rows(contact, ends, first, h);
 }
 
 /// Adds the rows that resist rolling and spinning to those of a contact, which begin at `normal`.
@@ -98,10 +98,10 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
     row.key = key;
     row.normal = normal;
     row.held = held.key == key;
-    row.bound = axis < 2 ? contact.rolling : contact.spinning;
+    row.bound = axis < 2 ? contact.more->rolling : contact.more->spinning;
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
-    row.given_at_end = dot(contact.spin, axes[axis]);
+    row.given_at_end = dot(contact.more->spin, axes[axis]);
     row.given = h * row.given_at_end;
   }
   for (const ContactEnd& end : ends) {
@@ -109,7 +109,7 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
     const Linkage::Shape& shape = island.state->linkage->shape_of(end.shape);
     if (shape.turning == Linkage::Shape::Turning::none) continue;
     const bool is_first = &end == &ends[0];
-    const Lever lever(shape, *end.at, end.arm, island.state->x);
+    const Lever lever(shape, end.at, end.arm, island.state->x);
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const std::uint32_t side = add_side(island, lever.turning(axes[axis]), is_first ? 1 : -1);
       if (axis == 0) levers_.back().end[is_first ? 0 : 1].turning = side;
@@ -134,7 +134,7 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   const Linkage& linkage = *island.state->linkage;
   bool may_stand = !linkage.is_redundant() && !touches_others(i);
   island.ground.for_all([&](const GroundContact& contact) {
-    may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
+    may_stand = may_stand && contact.more->rolling == 0 && contact.more->spinning == 0;
   });
   // Where cables go slack and come taut, pushes are found more surely one after the other.
   const std::span<const ElasticLaw> laws = island.state->laws;
@@ -143,7 +143,7 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   if (may_stand && island.ground.size() > (sweeps ? most_swept_ground : few_on_ground)) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const double radius = linkage.shape_of(contact.shape).radius;
-    const ContactEnd end{i, &contact.at, contact.shape, -radius * contact.normal};
+    const ContactEnd end{i, contact.at, contact.shape, -radius * contact.normal};
     add_contact_rows(contact, {&end, 1}, h);
   });
   island.ground.clear();

@@ -13,7 +13,7 @@ std::array<Vec3, 2> across(Vec3 n) {
   return {first, cross(n, first)};
 }
 
-Lever::Lever(const Linkage::Shape& shape, const Combination& at, Vec3 arm, std::span<const Vec3> x)
+Lever::Lever(const Linkage::Shape& shape, Terms at, Vec3 arm, std::span<const Vec3> x)
     : kind_(shape.turning), place_(at), line_(shape.line()), particles_(shape.turners), arm_(arm) {
   if (kind_ == Linkage::Shape::Turning::line) {
     const Vec3 line = line_.of(x);

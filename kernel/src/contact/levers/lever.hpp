@@ -15,7 +15,7 @@ class Lever {
  public:
   /// `at` is the place on the shape's middle, and `arm` (m) leads from there to the surface, with particles
   /// at `x`.
-  Lever(const Linkage::Shape& shape, const Combination& at, Vec3 arm, std::span<const Vec3> x);
+  Lever(const Linkage::Shape& shape, Terms at, Vec3 arm, std::span<const Vec3> x);
 
   /// Returns whether the shape turns.
   bool turns() const { return kind_ != Linkage::Shape::Turning::none; }

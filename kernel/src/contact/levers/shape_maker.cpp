@@ -9,10 +9,10 @@ namespace plumb::detail {
 namespace {
 
 /// Lists the particles of two sums, each once.
-Array<std::uint32_t> particles_of(const Combination& a, const Combination& b) {
+Array<std::uint32_t> particles_of(Terms a, Terms b) {
   Array<std::uint32_t> out;
-  for (const Combination* const sum : {&a, &b})
-    for (std::uint32_t i = 0; i < sum->count; ++i) out.push_back(sum->terms[i].particle);
+  for (const Terms sum : {a, b})
+    for (const auto& [particle, weight] : sum) out.push_back(particle);
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
@@ -33,9 +33,9 @@ bool ShapeMaker::keeps_apart(std::uint32_t a, std::uint32_t b) const {
   return rod != rods_.end() && rod->second;
 }
 
-Linkage::Shape ShapeMaker::make(const Capsule& capsule) const {
-  Linkage::Shape shape{combination(capsule.a), combination(capsule.b), capsule.radius, capsule.surface,
-                       capsule.filter};
+Linkage::Shape ShapeMaker::make(const Capsule& capsule, TermPool& places) const {
+  Linkage::Shape shape{places.keep(combination(capsule.a)), places.keep(combination(capsule.b)),
+                       capsule.radius, capsule.surface, capsule.filter};
   const Array<std::uint32_t> particles = particles_of(shape.a, shape.b);
   if (particles.size() == 1) return shape;
   const auto [first, end] = bodies_.equal_range(particles.front());

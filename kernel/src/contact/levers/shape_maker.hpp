@@ -16,7 +16,8 @@ class ShapeMaker {
  public:
   /// The part must outlive this object.
   explicit ShapeMaker(const Scene& part);
-  Linkage::Shape make(const Capsule& capsule) const;
+  /// The shape's places are kept in `places`.
+  Linkage::Shape make(const Capsule& capsule, TermPool& places) const;
 
  private:
   bool keeps_apart(std::uint32_t a, std::uint32_t b) const;

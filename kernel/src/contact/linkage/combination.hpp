@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 
+#include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -26,27 +29,47 @@ struct Combination {
   }
 };
 
-/// This is a place on a shape, which is a sum of no more particles than a body has. Shapes are many, and most
-/// of a Combination would be empty there.
-struct ShapePlace {
-  std::array<Combination::Term, 4> terms{};
-  std::uint32_t count = 0;
-
-  ShapePlace() = default;
-  ShapePlace(const Combination& of) : count(of.count) {
-    std::copy_n(of.terms.begin(), terms.size(), terms.begin());
-  }
+/// This views the terms of a sum, which must outlive it.
+class Terms : public std::span<const Combination::Term> {
+ public:
+  using std::span<const Combination::Term>::span;
+  Terms(const Combination& of) : span(of.terms.data(), of.count) {}
   operator Combination() const {
     Combination out;
-    std::copy(terms.begin(), terms.end(), out.terms.begin());
-    out.count = count;
+    std::copy(begin(), end(), out.terms.begin());
+    out.count = static_cast<std::uint32_t>(size());
     return out;
   }
   Vec3 of(std::span<const Vec3> values) const {
     Vec3 sum{};
-    for (std::uint32_t i = 0; i < count; ++i) sum += terms[i].weight * values[terms[i].particle];
+    for (const auto& [particle, weight] : *this) sum += weight * values[particle];
     return sum;
   }
+};
+
+/// Holds the terms of many sums, which stay where they are until all are cleared. Most places have one or two
+/// terms, where a Combination has room for eight.
+class TermPool {
+ public:
+  void clear() { chunk_ = used_ = 0; }
+  /// Keeps a copy of terms, of which there are no more than a Combination has.
+  Terms keep(Terms terms) {
+    if (used_ + terms.size() > in_chunk) {
+      ++chunk_;
+      used_ = 0;
+    }
+    if (chunk_ == chunks_.size()) chunks_.push_back(std::make_unique<Combination::Term[]>(in_chunk));
+    Combination::Term* const out = chunks_[chunk_].get() + used_;
+    std::copy(terms.begin(), terms.end(), out);
+    used_ += terms.size();
+    return {out, terms.size()};
+  }
+
+ private:
+  static constexpr std::size_t in_chunk = 64;
+
+  Array<std::unique_ptr<Combination::Term[]>> chunks_;
+  std::size_t chunk_ = 0, used_ = 0;  ///< the chunk that is filled, and how far
 };
 
 /// Returns the sum that a place is, and that of the way from one place to another.

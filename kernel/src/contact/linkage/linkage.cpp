@@ -170,17 +170,17 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   shapes_.reserve(part.capsules.size());
   balls_.reserve(part.capsules.size() + 1);  // those of a line, and of most that has shapes
   for (const Capsule& capsule : part.capsules) {
-    const Shape& shape = shapes_.emplace_back(maker.make(capsule));
+    const Shape& shape = shapes_.emplace_back(maker.make(capsule, places_));
     add_filter(shape.filter);
     const auto number = static_cast<std::uint32_t>(shapes_.size() - 1);
     size_ = std::max({size_, 2 * capsule.radius, norm(shape.a.of(x) - shape.b.of(x))});
-    for (const ShapePlace& end : {shape.a, shape.b}) {
+    for (const Terms end : {shape.a, shape.b}) {
       const Ball ball{end, capsule.radius, capsule.surface, number, capsule.filter};
-      if (end.count > 1) {
+      if (end.size() > 1) {
         balls_.push_back(ball);
         continue;
       }
-      Array<std::size_t>& there = balls_at[end.terms[0].particle];
+      Array<std::size_t>& there = balls_at[end[0].particle];
       const auto same = std::find_if(there.begin(), there.end(),
                                      [&](std::size_t i) { return balls_[i].filter == ball.filter; });
       if (same == there.end()) {
@@ -274,15 +274,8 @@ void Linkage::plan(Isa isa) {
   plan_ = KktPlan(movable_, constraints_ + static_cast<std::uint32_t>(elastics_.size()), pairs, isa);
   for (std::uint32_t i = 0; i < movable_; ++i) slots_.push_back(plan_.position(3 * i));
 
-  template_ = plan_.empty_matrix();
-  const std::span<double> fixed = numbers(template_);
-  for (std::uint32_t i = 0; i < movable_; ++i)
-    for (std::uint32_t axis = 0; axis < 3; ++axis)
-      fixed[plan_.place(3 * i + axis, 3 * i + axis)] = masses_[i];
-  for (const Coupling& c : couplings_)
-    for (std::uint32_t axis = 0; axis < 3; ++axis)
-      fixed[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
-  for (const Elastic& each : elastics_) fixed[plan_.place(each.row, each.row)] = -1;
+  for (Coupling& c : couplings_) c.place = plan_.place(3 * c.a, 3 * c.b);
+  softs_.assign(constraints_, 0.0);
   place_constraints();
   find_loose();
 }
@@ -338,9 +331,7 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
   Array<simd::Block> matrix(plan_.blocks());
   assemble(x, matrix);
   const Array<double> pivots = soften(share, numbers(matrix));
-  const std::span<double> fixed = numbers(template_);
-  for (std::uint32_t row = 3 * movable_; row < 3 * movable_ + constraints_; ++row)
-    fixed[plan_.place(row, row)] = -share * pivots[row - 3 * movable_];
+  for (std::uint32_t c = 0; c < constraints_; ++c) softs_[c] = share * pivots[c];
   const auto add = [&](std::uint32_t row, double square) {
     softness_ += share * square * pivots[row - 3 * movable_];
   };

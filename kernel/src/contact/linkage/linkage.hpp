@@ -29,7 +29,7 @@ namespace plumb::detail {
 class Linkage {
  public:
   struct Shape {
-    ShapePlace a, b;
+    Terms a, b;
     double radius;
     Surface surface;
     Filter filter{};
@@ -68,7 +68,7 @@ class Linkage {
   /// This is the end of a shape or a corner, which is what flat ground touches. Where several shapes end at
   /// one particle, the largest end counts.
   struct Ball {
-    ShapePlace center;
+    Terms center;
     double radius;
     Surface surface;
     std::uint32_t shape;  ///< to which what touches the ball counts
@@ -182,7 +182,7 @@ class Linkage {
   /// Adds the impulse (N s or N m s) with which an elastic pulls at `x`.
   void count_pull(std::size_t elastic, std::span<const Vec3> x, double pull, LinkagePulls& pulls) const;
   /// Adds the share of a push on a place that its fixed particles get.
-  void push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pulls) const;
+  void push_fixed(Terms at, Vec3 impulse, LinkagePulls& pulls) const;
   bool is_grounded() const { return movable_ + targets_ < particles_; }  ///< by more than targets of grabs
   /// Returns whether constraints forbid some motion more than once, as the kind was made or at x.
   bool is_redundant() const { return is_redundant_; }
@@ -211,9 +211,9 @@ class Linkage {
   }
 
   /// Adds a vector to the particles of a place, each by its weight.
-  void add(const Combination& at, Vec3 vector, std::span<double> solved) const;
+  void add(Terms at, Vec3 vector, std::span<double> solved) const;
   /// Returns the part of a place's motion that is that of fixed particles.
-  Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
+  Vec3 of_fixed(Terms at, std::span<const Vec3> motion) const;
   /// Returns what a movable particle has on the diagonal of M, kg, or a quarter of a flat body if it is more.
   double own_mass_of(std::uint32_t particle) const { return nominal_masses_[particle]; }
   /// Returns a mass (kg) that a movable particle has at least, whatever the others do, and none of bodies: M
@@ -222,10 +222,10 @@ class Linkage {
   double free_mass_of(std::uint32_t particle) const { return free_masses_[particle]; }
   bool has_free_masses() const { return has_free_masses_; }
   /// Returns the mass of a place's heaviest movable particle, kg.
-  double heaviest(const Combination& at) const;
+  double heaviest(Terms at) const;
 
   /// Adds what holds a place to M: the products of its particles' weights, each times `by`.
-  void stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const;
+  void stiffen(Terms at, const Sym3& by, std::span<simd::Block> matrix) const;
   /// A taut rod is one whose ends may swing across it, since no body holds both. A shape along it or an
   /// anchor lets the matrix couple them.
   std::size_t taut_rods() const { return taut_rods_.size(); }
@@ -310,8 +310,7 @@ class Linkage {
     Combination u, v;
     double value, over;
     std::uint32_t row;
-    Array<std::uint32_t> places;  ///< three by particle, in the order of `touched`
-    Array<std::uint32_t> touched;
+    Array<std::uint32_t> places, touched;  ///< the first three by particle, in the order of the second
   };
   struct PinRow {
     Combination sum;
@@ -321,6 +320,7 @@ class Linkage {
   struct Coupling {
     std::uint32_t a, b;  ///< a < b
     double mass;
+    std::uint32_t place = 0;  ///< of x in the matrix
   };
   struct Air {
     std::uint32_t a, b;
@@ -354,8 +354,7 @@ class Linkage {
   void add_elastic(Elastic elastic, const ElasticLaw& law);
   void add_bends(const Scene& part);
   void couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
-  void color_rods();
-  void plan(Isa isa);
+  void color_rods(), plan(Isa isa);
   void find_taut_rods(const Scene& part);
   void place_constraints(), find_loose();
   /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.
@@ -365,7 +364,7 @@ class Linkage {
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;
   Array<std::uint32_t> slots_;
-  Array<simd::Block> template_;  ///< M and the tiny diagonal; J is zero, and elastics have -1
+  Array<double> softs_;  ///< -1 times what constraints have on the diagonal
   Array<RodRow> rods_, giving_rods_;
   Array<DotRow> dots_;
   Array<PinRow> pins_;
@@ -375,6 +374,7 @@ class Linkage {
   Array<Coupling> couplings_;     ///< off the diagonal, between movable particles
   Array<double> weights_;         ///< kg, what gravity pulls on
   Array<Air> airs_;
+  TermPool places_;  ///< on shapes
   Array<Shape> shapes_;
   Array<HullShape> hulls_;
   Array<BodyShape> bodies_;

@@ -52,7 +52,8 @@ void Linkage::add_hulls(const Scene& part, std::span<const Vec3> x) {
     out.half_width = half_width(shape) + each.radius;
     for (const Vec3 v : hull.vertices()) {
       out.corners.push_back(out.weights(out.of(x), v));
-      balls_.push_back({out.sum(out.corners.back()), each.radius, each.surface, out.number, each.filter});
+      balls_.push_back(
+          {places_.keep(out.sum(out.corners.back())), each.radius, each.surface, out.number, each.filter});
       size_ = std::max(size_, norm(v - hull.vertices()[0]) + 2 * each.radius);
     }
   }

@@ -27,8 +27,17 @@ inline void add_to(std::span<double> values, const std::uint32_t* places, Vec3 v
 }  // namespace
 
 void Linkage::assemble(std::span<const Vec3> x, Array<simd::Block>& matrix) const {
-  std::copy(template_.begin(), template_.end(), matrix.begin());
+  plan_.clear(matrix);
   const std::span<double> values = numbers(matrix);
+  // Unknowns of a particle follow each other in a block.
+  const auto put = [&](std::uint32_t place, double mass) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) values[place + 5 * axis] = mass;
+  };
+  for (std::uint32_t i = 0; i < movable_; ++i) put(KktPlan::own_place(slots_[i]), masses_[i]);
+  for (const Coupling& c : couplings_) put(c.place, c.mass);
+  for (std::uint32_t c = 0; c < constraints_; ++c)
+    values[KktPlan::own_place(plan_.position(3 * movable_ + c))] = -softs_[c];
+  for (const Elastic& each : elastics_) values[KktPlan::own_place(plan_.position(each.row))] = -1;
   for (const RodRow& rod : rods_) {
     const Vec3 along = rod.over2 * (x[rod.b] - x[rod.a]);
     if (rod.places[0] != none) write(values, &rod.places[0], -1.0 * along);
@@ -65,9 +74,8 @@ void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const
   }
 }
 
-void Linkage::add(const Combination& at, Vec3 vector, std::span<double> solved) const {
-  for (std::uint32_t i = 0; i < at.count; ++i) {
-    const auto [particle, weight] = at.terms[i];
+void Linkage::add(Terms at, Vec3 vector, std::span<double> solved) const {
+  for (const auto& [particle, weight] : at) {
     if (particle >= movable_) continue;
     double* const to = &solved[slots_[particle]];
     to[0] += weight * vector.x;
@@ -76,25 +84,25 @@ void Linkage::add(const Combination& at, Vec3 vector, std::span<double> solved) 
   }
 }
 
-Vec3 Linkage::of_fixed(const Combination& at, std::span<const Vec3> motion) const {
+Vec3 Linkage::of_fixed(Terms at, std::span<const Vec3> motion) const {
   Vec3 out{};
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    if (at.terms[i].particle >= movable_) out += at.terms[i].weight * motion[at.terms[i].particle];
+  for (const auto& [particle, weight] : at)
+    if (particle >= movable_) out += weight * motion[particle];
   return out;
 }
 
-double Linkage::heaviest(const Combination& at) const {
+double Linkage::heaviest(Terms at) const {
   double out = 0;
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    if (at.terms[i].particle < movable_) out = std::max(out, nominal_masses_[at.terms[i].particle]);
+  for (const auto& [particle, weight] : at)
+    if (particle < movable_) out = std::max(out, nominal_masses_[particle]);
   return out;
 }
 
-void Linkage::stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const {
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    for (std::uint32_t j = 0; j <= i; ++j) {
-      const auto [a, weight_a] = at.terms[i];
-      const auto [b, weight_b] = at.terms[j];
+void Linkage::stiffen(Terms at, const Sym3& by, std::span<simd::Block> matrix) const {
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto [a, weight_a] = at[i];
+      const auto [b, weight_b] = at[j];
       if (a >= movable_ || b >= movable_) continue;
       // Three unknowns of one particle are neighbours in their block.
       const std::uint32_t place = plan_.place(3 * a, 3 * b);

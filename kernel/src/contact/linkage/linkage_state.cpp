@@ -78,12 +78,11 @@ bool LinkageState::learn_tautness(std::span<const double> multipliers, double h)
   return slows;
 }
 
-double LinkageState::heaviest(const Combination& at) const {
+double LinkageState::heaviest(Terms at) const {
   if (wave_inertia_at.empty()) return linkage->heaviest(at);
   double out = 0;
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    if (const std::uint32_t k = at.terms[i].particle; k < linkage->movable())
-      out = std::max(out, linkage->own_mass_of(k) + wave_inertia_at[k]);
+  for (const auto& [k, weight] : at)
+    if (k < linkage->movable()) out = std::max(out, linkage->own_mass_of(k) + wave_inertia_at[k]);
   return out;
 }
 
@@ -317,7 +316,7 @@ double top_speed(const LinkageState& state) {
   const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
   for (const Vec3 v : state.v) see(v);
   for (const Linkage::Ball& ball : state.linkage->balls())
-    if (ball.center.count > 1) see(ball.center.of(state.v));
+    if (ball.center.size() > 1) see(ball.center.of(state.v));
   return std::sqrt(square) + state.lengths.speed();
 }
 
@@ -342,10 +341,10 @@ bool any_anchor(const LinkageState& of, std::uint32_t number, IsIt&& is_it) {
     const Linkage::HullShape& hull = of.linkage->hulls()[number - capsules.size()];
     return std::any_of(hull.particles.begin(), hull.particles.end(), is_one);
   }
-  for (const ShapePlace* const place : {&capsules[number].a, &capsules[number].b})
-    for (std::uint32_t i = 0; i < place->count; ++i)
-      if (is_one(place->terms[i].particle)) return true;
-  return false;
+  const auto has = [&](Terms place) {
+    return std::any_of(place.begin(), place.end(), [&](const auto& term) { return is_one(term.particle); });
+  };
+  return has(capsules[number].a) || has(capsules[number].b);
 }
 
 }  // namespace
@@ -360,8 +359,8 @@ bool hang_together(const LinkageState& one, std::uint32_t capsule, const Linkage
 
 bool hang_together(const LinkageState& one, std::uint32_t shape, const Linkage::Shape& anchored) {
   return one.linkage->is_grounded() && any_anchor(one, shape, [&](std::uint32_t anchor) {
-           const auto has = [&](const ShapePlace& place) {
-             return std::any_of(place.terms.begin(), place.terms.begin() + place.count,
+           const auto has = [&](Terms place) {
+             return std::any_of(place.begin(), place.end(),
                                 [&](const auto& term) { return term.particle == anchor; });
            };
            return has(anchored.a) || has(anchored.b);

@@ -108,7 +108,7 @@ struct LinkageState : LinkageMotion {
   void momenta(std::span<const Vec3> motions, std::span<Vec3> out) const;
   double inertia_product(std::span<const Vec3> motions) const;
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
-  double heaviest(const Combination& at) const;
+  double heaviest(Terms at) const;
 
   /// Lets the island stand still for good. Nothing of it stays that may not be finite: NaN has a sign that
   /// depends on the instruction set, and snapshots hold it.

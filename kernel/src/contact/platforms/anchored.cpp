@@ -14,8 +14,8 @@ namespace {
 /// Calls f(anchor) for the fixed particles that hold a shape.
 template <class F>
 void for_anchors(const Linkage::Shape& shape, F&& f) {
-  for (const ShapePlace* const sum : {&shape.a, &shape.b})
-    for (std::uint32_t i = 0; i < sum->count; ++i) f(sum->terms[i].particle);
+  for (const Terms place : {shape.a, shape.b})
+    for (const auto& [anchor, weight] : place) f(anchor);
   if (shape.turning == Linkage::Shape::Turning::body)
     for (const std::uint32_t anchor : shape.turners) f(anchor);
 }
@@ -33,7 +33,7 @@ Anchored::Anchored(const Scene& scene) {
   const ShapeMaker maker(scene);
   for (const Capsule& capsule : scene.capsules) {
     if (!is_anchored(scene, capsule)) continue;
-    for_anchors(shapes_.emplace_back(maker.make(capsule)),
+    for_anchors(shapes_.emplace_back(maker.make(capsule, places_)),
                 [&](std::uint32_t anchor) { anchors_.push_back(anchor); });
   }
   std::sort(anchors_.begin(), anchors_.end());

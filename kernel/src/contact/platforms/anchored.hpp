@@ -44,13 +44,14 @@ class Anchored {
   Bounds bounds(std::size_t shape) const;
   template <class Archive>
   void archive(Archive& archive) {
-    auto& [shapes, anchors, x, v] = *this;
+    auto& [places, shapes, anchors, x, v] = *this;
     archive(x, v);
   }
   /// Returns whether some anchor moves in this step.
   bool any_moves() const;
 
  private:
+  TermPool places_;  ///< of shapes
   Array<Linkage::Shape> shapes_;
   Array<std::uint32_t> anchors_;
   Array<Vec3> x_, v_;  ///< by particle, m and m/s; none if there are no shapes

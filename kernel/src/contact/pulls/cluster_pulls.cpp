@@ -118,7 +118,7 @@ void ClusterStepper::note_touch(const GroundContact& contact, std::span<const Co
   touch.other = contact.other;
   touch.approach = contact.approach;
   for (std::uint32_t i = 0; i < touch.ends; ++i) {
-    touch.at[i] = *ends[i].at;
+    touch.at[i] = ends[i].at;
     touch.radius[i] = islands_[ends[i].island].state->linkage->shape_of(ends[i].shape).radius;
   }
 }

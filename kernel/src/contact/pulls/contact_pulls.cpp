@@ -36,8 +36,8 @@ std::optional<std::uint32_t> ContactSolver::middle_of(std::uint32_t capsule) con
   if (capsule >= owners_.capsules.size() || owners_.capsules[capsule].island >= ended) return std::nullopt;
   const auto [island, number] = owners_.capsules[capsule];
   const Linkage::Shape& shape = states_[island].linkage->shapes()[number];
-  const std::uint32_t at = shape.a.terms[0].particle;
-  if (shape.a.count != 1 || shape.b.count != 1 || shape.b.terms[0].particle != at) return std::nullopt;
+  const std::uint32_t at = shape.a[0].particle;
+  if (shape.a.size() != 1 || shape.b.size() != 1 || shape.b[0].particle != at) return std::nullopt;
   return states_[island].particles[at];
 }
 

@@ -45,10 +45,9 @@ void Linkage::take_multipliers(std::span<const double> solved, double by, std::s
   for (std::uint32_t c = 0; c < out.size(); ++c) out[c] += by * solved[plan_.position(3 * movable_ + c)];
 }
 
-void Linkage::push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pulls) const {
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    if (const auto [particle, weight] = at.terms[i]; particle >= movable_)
-      pulls.fixed[particle - movable_] += weight * impulse;
+void Linkage::push_fixed(Terms at, Vec3 impulse, LinkagePulls& pulls) const {
+  for (const auto& [particle, weight] : at)
+    if (particle >= movable_) pulls.fixed[particle - movable_] += weight * impulse;
 }
 
 void Linkage::count_pulls(std::span<const Vec3> x, std::span<const double> squares,

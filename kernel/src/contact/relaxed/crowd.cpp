@@ -267,11 +267,11 @@ void Crowd<T>::count_pulls(double h, Gradient gradient, std::span<LinkageState* 
 }
 
 template <class T>
-double Crowd<T>::add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
+double Crowd<T>::add_terms(const Linkage& linkage, std::uint32_t island, Terms sum, double sign,
                            Array<Term>& to) const {
   double moves = 0;
-  for (std::uint32_t k = 0; k < sum.count; ++k) {
-    const Term each = term(linkage, island, sum.terms[k]);
+  for (const auto& own : sum) {
+    const Term each = term(linkage, island, own);
     to.push_back({each.at, sign * each.weight, sign * each.move});
     moves += each.weight * each.move;
   }

@@ -108,7 +108,7 @@ class Crowd {
   /// Returns whether the rods of some island that moves go round in loops.
   bool has_loops() const { return has_loops_; }
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.
-  double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
+  double add_terms(const Linkage& linkage, std::uint32_t island, Terms sum, double sign,
                    Array<Term>& to) const;
   /// Returns a term of such a sum.
   Term term(const Linkage& linkage, std::uint32_t island, const Combination::Term& of) const {

@@ -100,7 +100,7 @@ template <class T>
 void CrowdEnds<T>::add_lane(const Crowd<T>& crowd, const CrowdPairs<T>& near, const Pair& pair,
                             std::uint64_t key, const Surface& surface) {
   const auto& each = near.balls()[pair.one];
-  const std::uint32_t particle = each.ball->center.terms[0].particle;
+  const std::uint32_t particle = each.ball->center[0].particle;
   const Surface& own = each.ball->surface;
   const double moves = crowd.inverse_mass(each.island, particle);
   const std::size_t lane = lane_for(crowd.places(), crowd.number_of(each.island, particle));

@@ -54,31 +54,33 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   const KeptContact held = kept_at(*one->state, key, one->next_kept);
   const double arriving = dot(touch.normal, a.at.of(one->v) - (two ? b.at.of(two->v) : carried.now));
   const double approach = approach_of(touch.gap, closing, arriving, h);
+  const GroundContact::More more{.rolling = std::max(a.surface.rolling, b.surface.rolling),
+                                 .spinning = std::max(a.surface.spinning, b.surface.spinning),
+                                 .carried = carried.by,
+                                 .carried_at_end = carried.at_end,
+                                 .spin = b.rate ? b.rate->spin : Vec3{},
+                                 .round = b.round};
+  const bool has_more = more.rolling > 0 || more.spinning > 0 || b.rate || b.round;
   const GroundContact contact{.at = a.at,
                               .normal = touch.normal,
                               .gap = recovered(touch.gap, settings_.slop, h * recovery_rate_),
                               .closes = -closing,
                               .friction = std::sqrt(a.surface.friction * b.surface.friction),
-                              .rolling = std::max(a.surface.rolling, b.surface.rolling),
-                              .spinning = std::max(a.surface.spinning, b.surface.spinning),
                               .bounce = bounce_of(std::max(a.surface.restitution, b.surface.restitution),
                                                   settings_.bounce_speed, approach),
+                              .approach = approach,
                               .key = key,
                               .shape = a.shape,
                               .other = b.shape,
-                              .approach = approach,
                               .is_held = held.key == key,
                               .held = (h * h) * held.force,
                               .held_end = (0.5 * h) * held.end_force,
-                              .carried = carried.by,
-                              .carried_at_end = carried.at_end,
-                              .spin = b.rate ? b.rate->spin : Vec3{},
-                              .round = b.round};
+                              .more = has_more ? &more : &GroundContact::no_more};
   if (!two) return one->ground.add(contact, one->state->heaviest(contact.at));
   // Both are pushed at one place, half way between their surfaces.
   const double other_radius = two->state->linkage->shape_of(b.shape).radius;
-  const ContactEnd ends[] = {{a.island, &a.at, a.shape, -(radius + 0.5 * touch.gap) * touch.normal},
-                             {b.island, &b.at, b.shape, (other_radius + 0.5 * touch.gap) * touch.normal}};
+  const ContactEnd ends[] = {{a.island, a.at, a.shape, -(radius + 0.5 * touch.gap) * touch.normal},
+                             {b.island, b.at, b.shape, (other_radius + 0.5 * touch.gap) * touch.normal}};
   add_contact_rows(contact, ends, h);
 }
 
@@ -149,8 +151,7 @@ void ClusterStepper::find_sights(Island& island) const {
   island.sight = nowhere;
   for (const Linkage::Shape& shape : island.state->linkage->shapes()) {
     Bounds& bounds = island.sights.emplace_back(nowhere);
-    for (const ShapePlace* const end : {&shape.a, &shape.b})
-      include(bounds, end->of(island.state->x), shape.radius + share);
+    for (const Terms end : {shape.a, shape.b}) include(bounds, end.of(island.state->x), shape.radius + share);
     include(island.sight, bounds.low, 0);
     include(island.sight, bounds.high, 0);
   }
@@ -315,10 +316,10 @@ void ClusterStepper::touch_itself(std::uint32_t i, double h) {
   own_bounds_.clear();
   for (const Linkage::Shape& shape : shapes) {
     Bounds& bounds = own_bounds_.emplace_back(nowhere);
-    for (const ShapePlace* const end : {&shape.a, &shape.b}) {
-      const Vec3 at = end->of(island.state->x);
+    for (const Terms end : {shape.a, shape.b}) {
+      const Vec3 at = end.of(island.state->x);
       include(bounds, at, shape.radius + settings_.margin);
-      include(bounds, at + 1.25 * end->of(island.d), shape.radius + settings_.margin);
+      include(bounds, at + 1.25 * end.of(island.d), shape.radius + settings_.margin);
     }
   }
   for (const auto [k, l] : own_pairs_.find(own_bounds_))

@@ -249,7 +249,7 @@ double ClusterStepper::opened(const Row& row) const {
   return out;
 }
 double ClusterStepper::opened(const Island& island, const GroundContact& contact) {
-  return dot(contact.normal, contact.at.of(island.d) - contact.carried);
+  return dot(contact.normal, contact.at.of(island.d) - contact.more->carried);
 }
 
 /// Returns the work (J) of what has ended overlaps in the substep, which lifts what lies in something.

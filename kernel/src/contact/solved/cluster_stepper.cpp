@@ -359,7 +359,7 @@ double ClusterStepper::work_of_ground(double h) const {
   for (const Row& row : rows_) sum += row.p * row.given / (h * h) + row.q * row.given_at_end;
   for (std::uint32_t i = 0; i < count_; ++i)
     islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3 end) {
-      sum += dot(position, contact.carried) / (h * h) + dot(end, contact.carried_at_end);
+      sum += dot(position, contact.more->carried) / (h * h) + dot(end, contact.more->carried_at_end);
     });
   return sum;
 }

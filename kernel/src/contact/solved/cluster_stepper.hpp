@@ -221,7 +221,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void renew_levers();
   void renew_lever(const Levers& contact, const Levers::End& end, Vec3 arm);
   void add_angles(std::uint32_t i, double h);
-  static Sum add_sum(Island& island, const Combination& sum);
+  static Sum add_sum(Island& island, Terms sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
   void find_responses(bool of_elastic_ones_alone);

@@ -49,17 +49,17 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
     const auto first_body = static_cast<std::uint32_t>(bodies_.size());
-    const auto add_terms = [&](const Combination& sum) {
+    const auto add_terms = [&](Terms sum) {
       const auto first = static_cast<std::uint32_t>(ends_.size());
       crowd.add_terms(linkage, i, sum, 1, ends_);
       double weight = 0;
-      for (std::uint32_t k = 0; k < sum.count; ++k) weight += std::abs(sum.terms[k].weight);
+      for (const auto& term : sum) weight += std::abs(term.weight);
       most_weight_ = std::max(most_weight_, weight);
       return TermRange{first, static_cast<std::uint32_t>(ends_.size())};
     };
-    const auto place_of = [&](const Combination& sum) {
-      const bool is_particle = sum.count == 1 && sum.terms[0].weight == 1;
-      return is_particle ? crowd.number_of(i, sum.terms[0].particle) : none;
+    const auto place_of = [&](Terms sum) {
+      const bool is_particle = sum.size() == 1 && sum[0].weight == 1;
+      return is_particle ? crowd.number_of(i, sum[0].particle) : none;
     };
     for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
       const Linkage::Shape& shape = linkage.shapes()[k];
@@ -81,7 +81,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
       const Linkage::Ball& ball = linkage.balls()[k];
       const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
       const bool is_plain = body != none && place_of(ball.center) != none &&
-                            crowd.inverse_mass(i, ball.center.terms[0].particle) > 0 &&
+                            crowd.inverse_mass(i, ball.center[0].particle) > 0 &&
                             linkage.shape_of(ball.shape).turning != Linkage::Shape::Turning::body;
       balls_.push_back({i, k, &ball, add_terms(ball.center), body, is_plain});
     }

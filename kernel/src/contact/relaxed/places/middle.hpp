@@ -16,9 +16,8 @@ class Middle {
   using Term = typename Crowd<T>::Term;
 
   /// Takes a sum of an island's particles.
-  Middle(const Crowd<T>& crowd, const Linkage& linkage, std::uint32_t island, const Combination& sum)
-      : count_(sum.count) {
-    for (std::uint32_t k = 0; k < count_; ++k) terms_[k] = crowd.term(linkage, island, sum.terms[k]);
+  Middle(const Crowd<T>& crowd, const Linkage& linkage, std::uint32_t island, Terms sum) {
+    for (const auto& term : sum) terms_[count_++] = crowd.term(linkage, island, term);
   }
   /// Takes the place between two particles that differ, at `t` from 0 to 1, as blend() does.
   Middle(const Term& a, const Term& b, double t) {
