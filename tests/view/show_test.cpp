@@ -68,5 +68,37 @@ TEST(ViewShow, MovesByOneWorldWhatNotAllOfThemMove) {
   EXPECT_NE(page.last("scene").find("wire"), std::string::npos);
 }
 
+TEST(ViewShow, NamesWorldsByWhatTheyAreNow) {
+  Written page(compared("winch:rods=4,load=10"));
+  const auto says = [&](const std::string& text) {
+    return page.last("sides").find(text) != std::string::npos;
+  };
+  const auto set = [&](const std::string& name, const std::string& value) {
+    page.show.obey(R"({"do":"set","side":1,"name":")" + name + R"(","value":")" + value + "\"}");
+  };
+  EXPECT_TRUE(says(R"("comparison":"mass against equal")") && says("all of them at once. Move End mass.\""));
+  set("sweeps", "3");
+  EXPECT_TRUE(says(R"("name":"by mass")") && says(R"("comparison":"mass against equal")"));
+  set("weights", "equal");
+  EXPECT_TRUE(says(R"("name":"by mass · weights equal")"));
+  EXPECT_TRUE(says(R"("comparison":"","about":"")") || says(R"("about":"","comparison":"")"))
+      << "the sentence would be wrong";
+  set("method", "direct");
+  EXPECT_TRUE(says(R"("name":"by mass · direct")")) << "what nothing reads is not named";
+  page.show.obey(R"({"do":"reset"})");
+  EXPECT_TRUE(says(R"("name":"by mass · direct")")) << "it starts so now";
+  page.show.obey(R"({"do":"add","side":1})");
+  EXPECT_TRUE(says(R"("name":"by mass again · direct")"));
+  page.show.obey(R"({"do":"record"})");
+  const std::string replay = page.last("replay");
+  page.show.obey(R"({"do":"defaults"})");
+  EXPECT_TRUE(says(R"("name":"by mass")") && !says("again ·"));
+  page.show.obey(R"({"do":"load","name":"r.json","value":)" + replay.substr(replay.find("\"text\":") + 7));
+  EXPECT_TRUE(says(R"("name":"by mass · direct")")) << "a replay has the names of its page";
+  page.show.obey(R"({"do":"load","name":"humanoid"})");
+  page.show.obey(R"({"do":"compare","name":"mass against equal"})");
+  EXPECT_TRUE(says("all of them at once.\"")) << "there is no end mass to move";
+}
+
 }  // namespace
 }  // namespace plumb::view::PLUMB_TEST_FILE

@@ -182,6 +182,24 @@ Settings relaxed_by(Gradient gradient) {
   return out;
 }
 
+bool does_read(Method method, std::string_view setting) {
+  for (const MethodInfo& each : all_methods())
+    if (each.method == method) return std::count(each.reads.begin(), each.reads.end(), setting) > 0;
+  return false;
+}
+
+/// Returns the settings that a name of a side stands for: those of a comparison's, or of a method. Nothing
+/// stands for other names.
+std::optional<Settings> settings_named(std::string_view name) {
+  while (name.ends_with(again)) name.remove_suffix(again.size());
+  for (const Comparison& each : comparisons())
+    for (const SideStart& side : each.sides)
+      if (side.name == name) return side.settings;
+  for (const Method method : methods())
+    if (to_string(method) == name) return Settings{.method = method};
+  return {};
+}
+
 }  // namespace
 
 void set_choice(Settings& settings, std::string_view name, std::string_view text) {
@@ -235,12 +253,7 @@ void read_setting(Settings& settings, std::string_view name, std::string_view te
 }
 
 Settings readable(const Settings& settings) {
-  const std::vector<MethodInfo> all = all_methods();
-  const auto info = std::find_if(all.begin(), all.end(),
-                                 [&](const MethodInfo& each) { return each.method == settings.method; });
-  const auto reads = [&](std::string_view name) {
-    return info != all.end() && std::find(info->reads.begin(), info->reads.end(), name) != info->reads.end();
-  };
+  const auto reads = [&](std::string_view name) { return does_read(settings.method, name); };
   Settings out = settings;
   if (!reads("gradient")) out.gradient.reset();
   if (!reads("weights")) out.weights = {};
@@ -269,14 +282,29 @@ bool forget(Settings& settings, std::string_view setting) {
   return true;
 }
 
+std::string name_now(const SideStart& side) {
+  std::string out = side.name;
+  const std::optional<Settings> named = settings_named(side.name);
+  if (!named) return out;
+  const Settings& now = side.settings;
+  const auto add = [&out](const std::string& word) { out += " · " + word; };
+  const auto changes = [&](std::string_view setting, const std::string& before, const std::string& after) {
+    if (after != before && does_read(now.method, setting)) add(std::string(setting) + " " + after);
+  };
+  if (now.method != named->method) add(std::string(to_string(now.method)));
+  changes("gradient", word_or_auto(named->gradient), word_or_auto(now.gradient));
+  changes("weights", std::string(to_string(named->weights)), std::string(to_string(now.weights)));
+  changes("accuracy", share_text(named->accuracy), share_text(now.accuracy));
+  return out;
+}
+
 std::vector<Comparison> comparisons() {
   return {{"mass against equal",
-           "Rods are corrected in turn. A pull moves a light end more than a heavy one, and by mass does so, "
-           "too. "
-           "Equal moves both alike. The pale reference solves all rods at once.",
+           "Rods are corrected one after the other. The pale reference solves all of them at once.",
            {{"direct", direct()},
             {"by mass", relaxed_closely(Weights::mass)},
-            {"equal", relaxed_closely(Weights::equal)}}},
+            {"equal", relaxed_closely(Weights::equal)}},
+           "Move End mass."},
           {"relax against direct",
            "One rod after the other, few times, against all rods at once.",
            {{"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
@@ -299,6 +327,14 @@ Comparison comparison(std::string_view name) {
     scenes::append_item(known, each.name);
   }
   throw InputError("no comparison '" + std::string(name) + "'; known are " + known);
+}
+
+Comparison comparison_of(const std::vector<std::string>& names) {
+  for (Comparison& each : comparisons())
+    if (std::equal(each.sides.begin(), each.sides.end(), names.begin(), names.end(),
+                   [](const SideStart& side, const std::string& name) { return side.name == name; }))
+      return each;
+  return {};
 }
 
 }  // namespace plumb::view

@@ -36,7 +36,8 @@ class Side {
  public:
   Side(SideStart start, const Scene& scene);
 
-  const std::string& name() const { return start_.name; }
+  /// Returns its name, with what was set to something else than that says.
+  std::string name() const { return name_now(start_); }
   const Settings& settings() const { return start_.settings; }
   const Scene& scene() const { return scene_; }
   const World& world() const { return *world_; }

@@ -99,10 +99,9 @@ export class Panel {
   setMenu({ scenes, comparisons, methods, stages }) {
     this.stages = stages;
     this.methods = methods;
-    this.comparisons = comparisons;
     byId("generator").replaceChildren(new Option("choose a scene …", ""),
       ...scenes.map(({ name, about }) => new Option(`${name}: ${about}`, name)));
-    byId("compare").replaceChildren(new Option("own choice", "", false, false), ...comparisons.map(({ name }) => new Option(name, name)));
+    byId("compare").replaceChildren(new Option("own choice", "", false, false), ...comparisons.map((name) => new Option(name, name)));
     const ask = (name, value) => this.send(requests.set(name, value, this.side));
     WORDS[0].words = methods.map(({ name }) => name);
     this.own = [...WORDS.map((each) => ({ ...each, ...chooser(each, ask) })), ...OWN.map((each) => ({ ...each, ...slider(each, ask) }))];
@@ -126,11 +125,9 @@ export class Panel {
       each.row.hidden = message[each.name] === null;
       if (message[each.name] !== null) each.set(message[each.name]);
     }
-    const names = this.sides.map(({ name }) => name).join();
-    const known = this.comparisons.find((each) => each.sides.join() === names);
-    byId("compare").value = known?.name ?? "";
-    byId("about").textContent = (known?.about ?? "") + (known?.name === "mass against equal" && message.end_mass !== null ? " Move End mass." : "");
-    byId("distance").textContent = names.startsWith("truth") ? "error, % of size" : "distance, % of size";
+    byId("compare").value = message.comparison;
+    byId("about").textContent = message.about;
+    byId("distance").textContent = message.sides[0].name === "truth" ? "error, % of size" : "distance, % of size";
     this.showTabs();
   }
 

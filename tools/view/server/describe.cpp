@@ -92,12 +92,6 @@ Json capsules_json(const Scene& scene) {
   return out;
 }
 
-Json names_of(const Comparison& comparison) {
-  Json out = Json::array();
-  for (const SideStart& side : comparison.sides) out.push_back(side.name);
-  return out;
-}
-
 }  // namespace
 
 Json scene_json(const Exhibit& exhibit) {
@@ -130,9 +124,13 @@ Json scene_json(const Exhibit& exhibit) {
 
 Json sides_json(const Exhibit& exhibit) {
   Json sides = Json::array();
-  for (const Side& side : exhibit.sides())
+  std::vector<std::string> names;
+  for (const Side& side : exhibit.sides()) {
+    names.push_back(side.name());
     sides.push_back(
-        {{"name", side.name()}, {"settings", choices_json(side.settings())}, {"rebuilds", side.rebuilds()}});
+        {{"name", names.back()}, {"settings", choices_json(side.settings())}, {"rebuilds", side.rebuilds()}});
+  }
+  const Comparison shown = comparison_of(names);
   const Scene& scene = exhibit.sides().front().scene();
   const std::uint32_t end = end_particle(exhibit.start().scene);
   // A point of a body has no mass of its own, and a ball alone is no end.
@@ -142,6 +140,8 @@ Json sides_json(const Exhibit& exhibit) {
   const Json end_mass = has_mass ? Json(scene.particles[end].mass) : Json();
   return {{"kind", "sides"},
           {"sides", sides},
+          {"comparison", shown.name},
+          {"about", has_mass && !shown.hint.empty() ? shown.about + " " + shown.hint : shown.about},
           {"gravity", -scene.gravity.y},
           {"drag", scene.drag},
           {"end_mass", end_mass}};
@@ -151,8 +151,7 @@ Json menu_json() {
   Json scenes = Json::array(), compared = Json::array(), methods = Json::array();
   for (const scenes::GeneratorHelp& each : scenes::list_generators())
     scenes.push_back({{"name", each.name}, {"about", each.summary}, {"parameters", each.parameters}});
-  for (const Comparison& each : comparisons())
-    compared.push_back({{"name", each.name}, {"about", each.about}, {"sides", names_of(each)}});
+  for (const Comparison& each : comparisons()) compared.push_back(each.name);
   for (const MethodInfo& each : all_methods())
     methods.push_back({{"name", each.name}, {"about", each.moves}, {"reads", Json::array_of(each.reads)}});
   return {{"kind", "menu"},

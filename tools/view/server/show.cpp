@@ -157,7 +157,7 @@ void Show::change_sides(const Request& request) {
   if (side >= start.sides.size()) throw InputError("no world " + std::to_string(side));
   if (request.verb == Verb::add_side) {
     start.sides.push_back(start.sides[side]);
-    start.sides.back().name += " again";
+    start.sides.back().name += again;
   } else {
     start.sides.erase(start.sides.begin() + static_cast<std::ptrdiff_t>(side));
   }

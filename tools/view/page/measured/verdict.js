@@ -13,10 +13,10 @@ export function percentText(percent) {
   return `${percent < 1e-3 ? 0 : Number(percent.toPrecision(2))} % off`;
 }
 
-/** Returns the numbers of two worlds that are relaxed alike but for their weights, by mass and equal; or none. */
-function compared(sides) {
+/** Returns the numbers of two worlds behind the first that are relaxed alike but for their weights, by mass and equal; or none. */
+export function compared(sides) {
   const found = ["mass", "equal"].map((weights) =>
-    sides.findIndex(({ name, settings }) => name.endsWith(weights) && settings.method === "relax" && settings.weights === weights));
+    sides.findIndex(({ settings }, i) => i > 0 && settings.method === "relax" && settings.weights === weights));
   if (found.includes(-1)) return null;
   const how = found.map((i) => JSON.stringify({ ...sides[i].settings, weights: "" }));
   return how[0] === how[1] ? found : null;
