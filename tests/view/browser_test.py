@@ -146,6 +146,31 @@ def check_end_mass(view):
                 "for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind))", value)
         view.until("window.plumb.frame.frame < 30", "worlds start again")
         view.until("document.getElementById('verdict').textContent.startsWith('By mass moves as')", "the page says what is seen")
+        check_why(view, 1000 if value == "max" else 10)
+
+
+def check_why(view, end_mass):
+    """A picture in the header says how a correction is shared, and is gone where worlds are not compared by weights."""
+    drawn = "document.querySelector('#why svg').getAttribute('aria-label')"
+    share = {10: "1 kg takes 91 % of the way and 10 kg takes 9 %", 1000: "1 kg takes 99.9 % of the way and 1000 kg takes 0.1 %"}
+    view.until(f"{drawn}.startsWith('By mass, {share[end_mass]}')", "the picture follows the slider")
+    view.until(f"{drawn}.endsWith('{end_mass} kg is moved like 1 kg.')", "it says what equal weights do")
+    width, height, bottom = view.js("const box = document.getElementById('why').getBoundingClientRect();"
+                                    "return [box.width, box.height, box.bottom]")
+    assert 300 <= width <= 400 and height <= 115 and bottom < 300, (width, height, bottom)
+
+
+def check_names(view):
+    """A world is called what it is now, in the legend and on its tab; the intro and the picture of a comparison that is over go."""
+    name = "document.querySelectorAll('#legend b')[1].textContent"
+    view.js("document.querySelectorAll('#tabs [role=tab]')[1].click()")
+    for weights, now in [("equal", "by mass · weights equal"), ("mass", "by mass")]:
+        view.js("const s = document.getElementById('set-weights'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", weights)
+        view.until(f"{name} === '{now}'", "the legend says what it is")
+        view.until(f"document.querySelectorAll('#tabs [role=tab]')[1].textContent === '{now}'", "its tab does")
+        is_compared = "true" if weights == "mass" else "false"
+        view.until(f"Boolean(document.getElementById('about').textContent) === {is_compared}", "the intro is true")
+        view.until(f"document.getElementById('why').hidden !== {is_compared}", "so is the picture")
 
 
 def check_hands(view):
@@ -316,6 +341,7 @@ def check_page(plumb, folder):
         with View(plumb, browser, "--compare", "mass against equal") as view:
             assert len(view.js("return window.plumb.frame.sides")) == 3
             check_end_mass(view)
+            check_names(view)
             check_hands(view)
             view.click("reset")
             view.pause(False)
@@ -359,6 +385,7 @@ def check_phone(view, picture):
     assert edges[2] <= edges[4] < edges[2] + 10, "the button that closes them stands still"
     view.goes_on()
     take_picture(view.browser, picture)
+    assert view.js("return document.getElementById('why').closest('#cards') !== null"), "the picture covers no worlds"
     view.click("fold")
 
 

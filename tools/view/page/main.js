@@ -11,6 +11,7 @@ import { Plot } from "./measured/plots.js";
 import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
+import { placeWhy, showWhy } from "./measured/why.js";
 
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
@@ -120,6 +121,7 @@ function setSides(message) {
   sides = message.sides;
   panel.setSides(message);
   if (message.end_mass !== null) painter.setEndMass(message.end_mass);
+  if (painter.model) showWhy(byId("why"), sides, painter.model.masses, message.end_mass);
   byId("legend").replaceChildren(...sides.map(({ name }, i) => {
     const item = document.createElement("li");
     item.style.setProperty("--c", sideText(i, sides.length));
@@ -283,6 +285,7 @@ addEventListener("drop", async ({ dataTransfer }) => {
   else if (file.size > 30e6) note(`${file.name} is larger than 30 MB.`, true);
   else panel.send(requests.load(file.name, await file.text() || " "));
 });
+placeWhy(byId("why"), document.querySelector("header"), byId("all"));
 onSchemeChange(() => { if (lastSides) setSides(lastSides); });
 
 // Shaders take longer to compile than all else: what needs none is shown before.

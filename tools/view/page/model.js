@@ -111,11 +111,12 @@ export class Model {
     this.usualMass = usual;
   }
 
-  /** Finds the last particle that moves, which the slider of the end mass sets, and the range of the others' masses. */
+  /** Finds the last particle that moves, which the slider of the end mass sets, its neighbour, and the range of the others' masses. */
   weigh() {
     const { masses } = this.scene;
     this.end = masses.findLastIndex((mass) => mass !== null);
-    this.masses = { least: Infinity, most: 0, end: masses[this.end] ?? null };
+    const last = this.scene.rods.lastIndexOf(this.end); // rods are pairs of ends
+    this.masses = { least: Infinity, most: 0, end: masses[this.end] ?? null, next: masses[this.scene.rods[last ^ 1]] ?? null };
     masses.forEach((mass, i) => {
       if (mass === null || i === this.end) return;
       this.masses.least = Math.min(this.masses.least, mass);

@@ -3,7 +3,7 @@
 const RECENT = 180; // frames
 const NEAR = 1, APART = 10; // percent
 const MUCH = 2; // times as far
-const ALIKE = 0.1; // of the larger one
+export const ALIKE = 0.1; // of the larger one
 
 const rms = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
 

@@ -1,0 +1,66 @@
+// Draws one correction of the last rod, shared by mass and equally: why weights matter, in a picture.
+import { sideText } from "../colours.js";
+import { ALIKE, compared } from "./verdict.js";
+
+const WIDTH = 380, HEIGHT = 88, ROWS = [22, 64]; // pixels
+const LIGHT = 92, HEAVY = 212; // where discs are
+const EXCESS = 76; // what the rod is too long by, which arrows share
+const HEAD = 6; // of an arrow
+
+const radius = (mass) => Math.min(17, Math.max(4, 7.2 + 3.2 * Math.log10(mass)));
+const kilograms = (mass) => `${Number(mass.toPrecision(3))} kg`;
+const percent = (share) => `${Number((100 * share).toPrecision(share < 0.1 ? 1 : share > 0.99 ? 3 : 2))} %`;
+const times = (ratio) => (ratio < 10 ? Number(ratio.toPrecision(2)) : Math.round(ratio));
+
+/** Draws an arrow from `x` on, which goes `way` pixels to the right, or to the left if that is negative. */
+function arrow(x, y, way) {
+  const size = Math.min(HEAD, Math.abs(way)) * Math.sign(way), tip = x + way;
+  return `<path d="M${x} ${y}H${tip - size}" stroke="var(--c)" stroke-width="3.5"/>`
+    + `<path d="M${tip} ${y}l${-size} ${-Math.abs(size) * 0.8}v${Math.abs(size) * 1.6}z" fill="var(--c)"/>`;
+}
+
+/** Draws a row: discs of these masses, and arrows by the share of the first. */
+function row({ y, name, colour, masses, share, says }) {
+  const [r, s] = masses.map(radius), left = LIGHT + r, right = HEAVY - s;
+  const text = (x, anchor, word, more = "") => `<text x="${x}" y="${y + 4}" text-anchor="${anchor}" ${more}>${word}</text>`;
+  return `<g style="--c: ${colour}">`
+    + text(0, "start", name, 'class="name"')
+    + `<path d="M${LIGHT} ${y}H${HEAVY}" stroke="currentColor" stroke-width="1.5"/>`
+    + `<circle cx="${LIGHT}" cy="${y}" r="${r}"/><circle cx="${HEAVY}" cy="${y}" r="${s}"/>`
+    + arrow(left, y, EXCESS * share) + arrow(right, y, -EXCESS * (1 - share))
+    + text(LIGHT - r - 4, "end", kilograms(masses[0])) + text(HEAVY + s + 4, "start", kilograms(masses[1]))
+    + `<text x="${left + 1}" y="${y - 6}" class="share">${percent(share)}</text>`
+    + `<text x="${right - 1}" y="${y - 6}" text-anchor="end" class="share">${percent(1 - share)}</text>`
+    + says.map((line, i) => `<text x="284" y="${y - 3 + 14 * i}" class="says">${line}</text>`).join("") + "</g>";
+}
+
+/**
+ * Shows the picture where worlds by mass and equal are compared and the masses at the last rod differ. `masses` are those
+ * that a model weighs, and `endMass` is that of the slider.
+ */
+export function showWhy(place, sides, masses, endMass) {
+  const both = compared(sides), { next } = masses;
+  place.hidden = !both || endMass === null || !next || Math.max(next, endMass) <= (1 + ALIKE) * Math.min(next, endMass);
+  if (place.hidden) return;
+  const share = endMass / (next + endMass);
+  const [light, heavy] = [next, endMass].sort((a, b) => a - b);
+  const [few, many] = [light, heavy].map(kilograms), ratio = times(heavy / light);
+  const rows = [
+    { name: "by mass", share, says: [`${few} goes`, `${ratio} × as far`] },
+    { name: "equal", share: 0.5, says: [`${many} is moved`, `like ${few}`] }];
+  const label = `By mass, ${kilograms(next)} takes ${percent(share)} of the way and ${kilograms(endMass)} takes ${percent(1 - share)}. `
+    + `Equal gives each 50 %: ${many} is moved like ${few}.`;
+  const drawn = rows.map((each, i) =>
+    row({ ...each, y: ROWS[i], colour: sideText(both[i], sides.length), masses: [next, endMass] })).join("");
+  place.querySelector("svg").outerHTML =
+    `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" width="${WIDTH}" height="${HEIGHT}" role="img" aria-label="${label}">${drawn}</svg>`;
+}
+
+const isNarrow = matchMedia("(max-width: 760px)");
+
+/** Keeps the picture in the header, or among controls where the header would cover worlds with it. */
+export function placeWhy(place, header, after) {
+  const put = () => (isNarrow.matches ? after.after(place) : header.append(place));
+  isNarrow.addEventListener("change", put);
+  put();
+}
