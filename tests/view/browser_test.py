@@ -297,6 +297,57 @@ def check_sleep(view):
     view.severe()  # the browser logs that it closed the connection
 
 
+def check_pace(view):
+    """Steps that take long are told beside the clock, and so is a single one while it is computed; both go when it is fast again."""
+    says = "document.getElementById('pace').textContent"
+    ask = "window.plumb.page.send(window.plumb.requests.set(arguments[0], arguments[1]))"
+    assert not view.js("return " + says), "nothing is said of what is fast"
+    for name, value in [("substeps", 16), ("sweeps", 300)]:
+        view.js(ask, name, value)
+    view.until(says + ".includes('× real time: a step takes')", "slowness is told")
+    share, took = re.match(r"(\S+) × real time: a step takes (\S+) ms", view.js("return " + says)).groups()
+    assert float(share) < 0.9 and float(took) > 15, (share, took)
+    assert view.js("return document.getElementById('pace').title"), "with a reason"
+    view.js("window.paces = []; const p = document.getElementById('pace');"
+            "new MutationObserver(() => window.paces.push(p.textContent)).observe(p, { childList: true })")
+    view.js(ask, "substeps", 800)
+    view.until("window.paces.includes('Computing …')", "a step that takes long is told")
+    view.click("reset")
+    for name, value in [("sweeps", 1), ("substeps", 1)]:
+        view.js(ask, name, value)
+    view.until(says + " === ''", "it is fast again")
+    view.goes_on()
+    # Worlds that stand still compute, too, where a step is asked for.
+    view.pause()
+    for name, value in [("sweeps", 300), ("substeps", 800)]:
+        view.js(ask, name, value)
+    view.js("window.paces = []")
+    view.click("step")
+    view.until("window.paces.includes('Computing …') && window.paces.at(-1) === ''", "a single step is told while it is computed")
+
+
+def check_slow_frames(view):
+    """A page that runs and misses frames did not sleep, and says nothing of that."""
+    view.js("window.notes = []; const n = document.getElementById('note');"
+            "new MutationObserver(() => window.notes.push(n.textContent)).observe(n, { childList: true });"
+            "window.isDeaf = true")
+    before = view.js("return window.plumb.frame.frame")
+    time.sleep(2.5)
+    view.js("window.isDeaf = false")
+    view.until(f"window.plumb.frame.frame > {before + 61}", "frames were missed")
+    view.goes_on()
+    assert not view.js("return window.notes.some(text => text.includes('slept'))"), view.js("return window.notes")
+
+
+# A page that is deaf says that it took frames and drops them.
+DEAF = """const Plain = WebSocket;
+window.WebSocket = class extends Plain {
+  set onmessage(hear) {
+    super.onmessage = (event) => { window.isDeaf && typeof event.data !== "string" ? this.send(new Uint8Array(0)) : hear(event); };
+  }
+};"""
+
+
 def check_time(view):
     view.pause()
     frame = view.js("return window.plumb.frame.frame")
@@ -392,7 +443,12 @@ def check_phone(view, picture):
 def check_sleeper(plumb):
     browser = start_browser(False, 1280, 720)  # a tab that was frozen is no good to other tests
     try:
+        with View(plumb, browser, "net:width=40,height=40", "--method", "relax") as view:
+            check_pace(view)
+            assert not view.severe(), view.severe()
+        browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": DEAF})
         with View(plumb, browser, "heap") as view:
+            check_slow_frames(view)
             check_sleep(view)
             assert not view.severe(), view.severe()
     finally:

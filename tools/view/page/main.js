@@ -2,11 +2,12 @@
 import { Camera } from "./camera.js";
 import { onSchemeChange, sideText } from "./colours.js";
 import { Painter } from "./draw.js";
-import { makePage } from "./film/bundle.js";
 import { Recording } from "./film/record.js";
+import { pageOf, save } from "./film/save.js";
 import { Hands } from "./hands.js";
 import { decodeFrame, hashText, requests } from "./messages.js";
 import { Panel, showKey } from "./panel.js";
+import { Pace } from "./measured/pace.js";
 import { Plot } from "./measured/plots.js";
 import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
@@ -18,6 +19,7 @@ const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
 const LOADING = "Loading …";
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
+const pace = new Pace(byId("pace"));
 const plots = {
   distance: new Plot(byId("plot-distance"), { unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
   strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-12, unit: "largest strain", text: (v) => short(100 * v, 1) + " %" }),
@@ -37,7 +39,7 @@ function note(text, refused = false, stays = false) {
   if (!stays) noteTimer = setTimeout(() => { box.hidden = true; }, 6000);
 }
 
-/** Shows a note. What was refused is no longer shown as if it had been taken. */
+// What was refused is no longer shown as if it had been taken.
 function hear({ text, refused }) {
   note(text, refused);
   if (refused && painter?.model) panel.showGenerator(painter.model.scene.name);
@@ -51,27 +53,33 @@ const show = (message) => {
     return;
   }
   recording.text(message);
+  pace.hear(message);
   ({ menu: () => panel.setMenu(message), scene: () => setScene(message), sides: () => setSides(message),
-                        note: () => hear(message), replay: () => save("replay.json", message.text, "application/json") })[message.kind]?.();
+                        note: () => hear(message), replay: () => saveAs("replay.json", message.text, "application/json") })[message.kind]?.();
 };
-const send = connect({
+const tell = connect({
   text: show,
   frame: (bytes) => {
     if (!painter?.model) return;
     const next = decodeFrame(bytes);
     recording.frame(bytes, next.frame);
+    pace.take(next.frame);
     take(next);
   },
   state: (state, text) => {
+    pace.isOpen = state === "open" && !isFilm;
     note(text, state !== "open", state !== "open");
     // Nobody would hear what is asked for here.
     for (const id of ["panel", "tools", "winch", "transport"]) byId(id).inert = state !== "open";
   },
 });
-const panel = new Panel((message) => {
-  if (JSON.parse(message).do === "load") note(LOADING, false, true); // which takes long where a step does
-  send(message);
-});
+const send = (message) => {
+  const request = JSON.parse(message);
+  if (request.do === "load") note(LOADING, false, true); // which takes long where a step does
+  pace.ask(request);
+  tell(message);
+};
+const panel = new Panel(send);
 
 /** What tools see of the page. */
 const page = {
@@ -135,8 +143,8 @@ function take(next) {
   if (!painter?.model || next.sides[0].positions.length !== 3 * painter.model.particles) return;
   const missed = frame ? next.frame - frame.frame - 1 : 0;
   if (missed < -1 || missed > MANY_FRAMES) painter.clearTrails();
-  if (missed > MANY_FRAMES) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
   const now = performance.now();
+  if (missed > MANY_FRAMES && pace.hasSlept(now)) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
   if (frame && next.frame > frame.frame && missed <= MANY_FRAMES) {
     period = Math.min(400, Math.max(8, now - arrived));
     before = frame;
@@ -156,7 +164,7 @@ function take(next) {
 }
 
 function showNumbers() {
-  const reached = frame.playing && frame.reached ? ` · ${short(frame.reached, 2)} ×` : "";
+  const reached = frame.playing && frame.reached && pace.kind !== "slow" ? ` · ${short(frame.reached, 2)} ×` : "";
   byId("clock").textContent = `${frame.time.toFixed(2)} s · frame ${frame.frame}${reached}`;
   [...byId("legend").children].forEach((item, i) => {
     const side = frame.sides[i];
@@ -193,6 +201,7 @@ function showTitles() {
 let ticks = 0;
 function draw() {
   requestAnimationFrame(draw);
+  pace.tick(performance.now(), frame, isFilm ? 0 : Number(byId("speed").value));
   if (!frame) return;
   resize();
   // In slow motion frames are far apart, and what is drawn leads from one to the next.
@@ -206,20 +215,14 @@ function draw() {
   isFresh = false;
 }
 
-function save(name, text, type) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  URL.revokeObjectURL(link.href);
+function saveAs(name, text, type) {
+  save(name, text, type);
   note(`Saved as ${name}.`);
 }
 
 async function saveFilm() {
-  const read = async (name) => (await fetch(name)).text();
   try {
-    if (location.protocol === "file:") throw new Error("a page without a server has no files to save it from");
-    save("plumb.html", await makePage(recording, read), "text/html");
+    saveAs("plumb.html", await pageOf(recording), "text/html");
   } catch (error) {
     note("The page could not be saved: " + error.message, true);
   }

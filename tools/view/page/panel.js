@@ -97,6 +97,7 @@ export class Panel {
   }
 
   setMenu({ scenes, comparisons, methods, stages }) {
+    this.send(requests.speed(byId("speed").value)); // a page before this one may have left another
     this.stages = stages;
     this.methods = methods;
     byId("generator").replaceChildren(new Option("choose a scene …", ""),
