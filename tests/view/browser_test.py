@@ -182,6 +182,7 @@ def check_hands(view):
     actions = ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold()
     actions.perform()
     view.until(f"window.plumb.painter.held === {last}", "the end is held")
+    assert view.note().startswith("Paused: this moves once worlds play"), view.note()
     view.js("window.plumb.page.send(window.plumb.requests.play())")
     actions = ActionChains(view.browser, duration=50)
     for _ in range(6):

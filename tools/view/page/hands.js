@@ -81,6 +81,7 @@ export class Hands {
     if (this.tool === "pull" && particle) {
       this.drag = { kind: "pull", ...particle };
       this.painter.held = particle.particle;
+      this.page.sayIfPaused();
       this.pull(at);
     } else if (this.tool === "fix" && particle) {
       this.page.send(this.page.isFixed(particle.particle) ? requests.free(particle.particle) : requests.fix(particle.particle));

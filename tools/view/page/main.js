@@ -84,6 +84,9 @@ const panel = new Panel(send);
 /** What tools see of the page. */
 const page = {
   send,
+  sayIfPaused: () => {
+    if (!frame.playing) note("Paused: this moves once worlds play (Space) or step (.). Hold on until then.");
+  },
   isFixed: (particle) => (frame?.sides[0].flags[particle] & 2) !== 0,
   choseRod: (rod) => {
     byId("winch").hidden = false;
@@ -238,6 +241,7 @@ function setTool(tool) {
 function haul(direction) {
   if (!winch || direction === haulRate) return;
   haulRate = direction;
+  if (direction !== 0) page.sayIfPaused();
   send(requests.reel(winch.kind, winch.number, 0.25 * painter.model.radius * direction));
 }
 

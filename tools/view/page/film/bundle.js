@@ -17,7 +17,7 @@ function resolved(path, from) {
 
 /** Returns a module as a call that enters its exports in a table. A page from a file cannot import modules. */
 export function asFunction(name, text) {
-  const names = [...text.matchAll(/^export (?:const|let|class|function) (\w+)/gm)].map((match) => match[1]);
+  const names = [...text.matchAll(/^export (?:const|let|class|(?:async )?function) (\w+)/gm)].map((match) => match[1]);
   const body = text
     .replace(/^import \* as (\w+) from "(.+?)";/gm, (_, all, path) => `const ${all} = modules["${resolved(path, name)}"];`)
     .replace(/^import \{(.+?)\} from "(.+?)";/gm, (_, some, path) =>
