@@ -234,6 +234,22 @@ def check_colours(view):
     assert "solve" in view.js("return document.getElementById('stages').textContent"), "times of stages are shown"
 
 
+def check_plots(view):
+    """Rounding is drawn flat: scales do not follow it."""
+    ranges = view.js("""const { makePlots } = await import("./measured/plots.js");
+        const plots = makePlots((id) => document.getElementById(id));
+        plots.energy.least = 1e-4;
+        return Object.fromEntries(Object.entries(plots).map(([name, plot]) => {
+          plot.add([1e-14, 3e-15]);
+          plot.add([2e-14, name === "energy" ? -1e-15 : 0]);
+          return [name, plot.range()];
+        }));""")
+    assert ranges["distance"][1] >= 0.01 and ranges["time"][1] > 16, ranges
+    assert ranges["energy"][1] - ranges["energy"][0] >= 1e-4, ranges
+    low, high = ranges["strain"]
+    assert low >= -10 and high >= -6, ranges
+
+
 def check_film(view, folder):
     """A saved page shows what was seen, from a file and without a server."""
     view.js("window.saved = null")
@@ -400,6 +416,7 @@ def check_page(plumb, folder):
             check_sliders(view)
             check_time(view)
             check_colours(view)
+            check_plots(view)
             assert view.js("return window.plumb.frame.sides[2].distance") > 0, "worlds differ"
             file = check_replay(view, plumb, folder)
             check_film(view, folder)

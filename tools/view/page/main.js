@@ -8,7 +8,7 @@ import { Hands } from "./hands.js";
 import { decodeFrame, hashText, requests } from "./messages.js";
 import { Panel, showKey } from "./panel.js";
 import { Pace } from "./measured/pace.js";
-import { Plot } from "./measured/plots.js";
+import { makePlots, scaleEnergy } from "./measured/plots.js";
 import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
@@ -20,13 +20,7 @@ const canvas = byId("view"), camera = new Camera();
 const LOADING = "Loading …";
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
 const pace = new Pace(byId("pace"));
-const plots = {
-  distance: new Plot(byId("plot-distance"), { unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
-  strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-12, unit: "largest strain", text: (v) => short(100 * v, 1) + " %" }),
-  energy: new Plot(byId("plot-energy"), { floor: -1, unit: "change of energy in joules", text: (v) => short(v) + " J" }),
-  time: new Plot(byId("plot-time"), { unit: "time of a step in milliseconds", text: (v) => short(v, 2) + " ms",
-                                      line: { value: 16.7, text: "16.7 ms" } }),
-};
+const plots = makePlots(byId);
 let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null, noteTimer = 0;
 let haulRate = 0, isFresh = false, lastSides = null;
 
@@ -159,7 +153,10 @@ function take(next) {
   byId("play").textContent = frame.playing ? "Pause" : "Play";
   if (!isNew) return;
   const energies = frame.sides.map((side) => side.kinetic + side.potential + side.elastic);
-  if (!firstEnergy || firstEnergy.length !== energies.length) firstEnergy = energies;
+  if (!firstEnergy || firstEnergy.length !== energies.length) {
+    firstEnergy = energies;
+    scaleEnergy(plots.energy, frame);
+  }
   plots.distance.add(frame.sides.map((side) => 100 * side.distance));
   plots.strain.add(frame.sides.map((side) => side.strainMax));
   plots.energy.add(energies.map((energy, i) => energy - firstEnergy[i]));

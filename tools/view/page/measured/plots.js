@@ -1,12 +1,16 @@
 // Small plots of what was measured in the last seconds.
 import { sideText, theme } from "../colours.js";
+import { short } from "./tables.js";
 
 const SAMPLES = 600;
 
 export class Plot {
-  /** `scale` is "log" or "linear"; `line` is a value with a dashed line and its text. */
-  constructor(canvas, { scale = "linear", unit, line = null, floor = 0, text }) {
-    Object.assign(this, { canvas, scale, unit, line, floor, text });
+  /**
+   * `scale` is "log" or "linear"; `line` is a value with a dashed line and its text. A linear scale spans `least`, and a
+   * logarithmic one reaches it, so that rounding is not drawn as if it mattered.
+   */
+  constructor(canvas, { scale = "linear", unit, line = null, floor = 0, least = 0, text }) {
+    Object.assign(this, { canvas, scale, unit, line, floor, least, text });
     this.clear();
   }
 
@@ -33,8 +37,13 @@ export class Plot {
       }
     if (this.line) high = Math.max(high, this.line.value * 1.15);
     if (!(high > -Infinity)) return [0, 1];
-    if (this.scale === "log") return [Math.log10(Math.max(low, this.floor)), Math.log10(Math.max(high, 10 * this.floor)) + 0.1];
+    if (this.scale === "log") return [Math.log10(Math.max(low, this.floor)), Math.log10(Math.max(high, this.least)) + 0.1];
     if (this.floor === 0) low = Math.min(low, 0);
+    if (high - low < this.least) {
+      const middle = (low + high) / 2;
+      if (low !== 0) low = middle - this.least / 2;
+      high = low + this.least;
+    }
     const room = 0.08 * (high - low || Math.abs(high) || 1);
     return [low === 0 ? 0 : low - room, high + room];
   }
@@ -84,4 +93,19 @@ export class Plot {
     this.canvas.setAttribute("aria-label",
       this.unit + ": " + this.series.map((one) => this.text(one.at(-1) ?? 0)).join(", "));
   }
+}
+
+const ENERGY = 1e-6; // of all energy: less than that is rounding
+/** Returns the plots of a page. `byId` finds their canvases. */
+export const makePlots = (byId) => ({
+  distance: new Plot(byId("plot-distance"), { least: 0.01, unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
+  strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-10, least: 1e-6, unit: "largest strain", text: (v) => short(100 * v, 1) + " %" }),
+  energy: new Plot(byId("plot-energy"), { floor: -1, unit: "change of energy in joules", text: (v) => short(v) + " J" }),
+  time: new Plot(byId("plot-time"), { unit: "time of a step in milliseconds", text: (v) => short(v, 2) + " ms",
+                                      line: { value: 16.7, text: "16.7 ms" } }),
+});
+
+/** Lets changes of energy be seen from the share of all of it on that is no rounding. */
+export function scaleEnergy(plot, { sides }) {
+  plot.least = ENERGY * Math.max(...sides.map((side) => side.kinetic + Math.abs(side.potential) + side.elastic));
 }
