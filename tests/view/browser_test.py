@@ -278,6 +278,18 @@ def check_refusals(view):
     view.browser.switch_to.new_window("tab")
     view.browser.get(address)
     view.until("document.getElementById('note').textContent.includes('Another page')", "the second page is told")
+    view.browser.find_element(By.CSS_SELECTOR, "#note button").click()
+    view.until("window.plumb?.frame?.frame > 3", "it takes over")
+    view.goes_on()
+    assert not view.note() and not view.js("return document.getElementById('tools').inert")
+    second = view.browser.current_window_handle
+    view.browser.switch_to.window(first)
+    view.until("document.getElementById('note').textContent.includes('another tab now')", "the first page is told")
+    time.sleep(1)  # in which it asks again
+    view.browser.find_element(By.CSS_SELECTOR, "#note button").click()
+    view.goes_on()
+    view.browser.switch_to.window(second)
+    view.until("document.getElementById('note').textContent.includes('another tab now')", "the second page is told")
     view.browser.close()
     view.browser.switch_to.window(first)
     view.goes_on()

@@ -203,6 +203,28 @@ TEST_F(ViewServer, OutlivesTornConnectionsAndTurnsSecondPagesAway) {
   EXPECT_NE(visitor.read("</html>").find("<canvas"), std::string::npos);
 }
 
+TEST_F(ViewServer, HandsWorldsToAPageThatTakesOver) {
+  std::string request = upgrade();
+  request.replace(request.find("/socket"), 7, "/takeover");
+  std::string foreign = request;
+  foreign.replace(foreign.find(token()), 32, std::string(32, '0'));
+  Visitor first(server_.port());
+  first.send(upgrade());
+  (void)first.read("PLV2");
+  Visitor stranger(server_.port());
+  stranger.send(foreign);
+  EXPECT_EQ(stranger.read("\r\n").substr(9, 3), "403");
+  EXPECT_NE(first.read("PLV2").find("PLV2"), std::string::npos) << "it is not disturbed";
+  Visitor second(server_.port());
+  second.send(request);
+  EXPECT_NE(second.read("\"kind\":\"menu\"").find(" 101 "), std::string::npos);
+  EXPECT_NE(second.read("PLV2").find("PLV2"), std::string::npos) << "it is the page now";
+  EXPECT_NE(first.read("another tab now").find("another tab now"), std::string::npos) << "the first is told";
+  Visitor third(server_.port());
+  third.send(upgrade());
+  EXPECT_NE(third.read("Another page").find("Another page"), std::string::npos);
+}
+
 // A reader of JSON quotes what it could not read, which may be a part of a character.
 TEST_F(ViewServer, TellsWhyAFileOfAnotherKindIsNoScene) {
   Visitor page(server_.port());

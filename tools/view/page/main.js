@@ -13,6 +13,7 @@ import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
 import { placeWhy, showWhy } from "./measured/why.js";
+import { note, offerTakeover } from "./words/note.js";
 
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
@@ -21,17 +22,8 @@ const LOADING = "Loading …";
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
 const pace = new Pace(byId("pace"));
 const plots = makePlots(byId);
-let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null, noteTimer = 0;
+let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null;
 let haulRate = 0, isFresh = false, lastSides = null;
-
-function note(text, refused = false, stays = false) {
-  const box = byId("note");
-  box.textContent = text;
-  box.classList.toggle("refused", refused);
-  box.hidden = !text;
-  clearTimeout(noteTimer);
-  if (!stays) noteTimer = setTimeout(() => { box.hidden = true; }, 6000);
-}
 
 // What was refused is no longer shown as if it had been taken.
 function hear({ text, refused }) {
@@ -60,9 +52,10 @@ const tell = connect({
     pace.take(next.frame);
     take(next);
   },
-  state: (state, text) => {
+  state: (state, text, takeOver) => {
     pace.isOpen = state === "open" && !isFilm;
-    note(text, state !== "open", state !== "open");
+    if (takeOver) offerTakeover(text, takeOver);
+    else note(text, state !== "open", state !== "open");
     // Nobody would hear what is asked for here.
     for (const id of ["panel", "tools", "winch", "transport"]) byId(id).inert = state !== "open";
   },

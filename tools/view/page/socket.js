@@ -4,11 +4,18 @@ const TAKEN = new Uint8Array(0);
 const GONE = "The connection to plumb view is gone. It comes back by itself while the program runs.";
 const WOKE = "This page slept, and the browser closed its connection. It goes on at the present; plots and recording begin anew.";
 
-/** Connects and calls `on.text`, `on.frame` and `on.state`. Returns a function that sends a request. */
+/**
+ * Connects and calls `on.text`, `on.frame` and `on.state`, which where another page has the worlds is also given a
+ * function that takes them over. Returns a function that sends a request.
+ */
 export function connect(on) {
-  let socket = null, wait = 500, queue = [], slept = false;
-  const open = (said = "") => {
-    const url = new URL("socket", location.href);
+  let socket = null, wait = 500, queue = [], slept = false, timer = 0;
+  const takeOver = () => {
+    clearTimeout(timer);
+    open("", "takeover");
+  };
+  const open = (said = "", name = "socket") => {
+    const url = new URL(name, location.href);
     url.protocol = "ws:";
     socket = new WebSocket(url);
     socket.binaryType = "arraybuffer";
@@ -29,8 +36,9 @@ export function connect(on) {
         setTimeout(open, 100, WOKE); // by then the server knows that the old connection is gone
         return;
       }
-      on.state("closed", code === 1013 ? reason : GONE);
-      setTimeout(open, wait);
+      if (code === 1013) on.state("closed", reason, takeOver);
+      else on.state("closed", GONE);
+      timer = setTimeout(open, wait);
       wait = Math.min(2 * wait, 5000);
     };
   };

@@ -31,6 +31,9 @@ constexpr std::size_t largest_message = 32 << 20;
 /// Requests that may be under way to the worlds; the next are read when these are done.
 constexpr unsigned most_requests = 64;
 
+/// The socket of a page that takes the place of the one that is there.
+constexpr std::string_view takeover = "takeover";
+
 std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
@@ -186,7 +189,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (request_.method() != http::verb::get)
       return send(http::status::method_not_allowed, "Files are read only.\n", "text/plain; charset=utf-8");
     const std::string_view name = file_of(door_, target);
-    if (name == "socket" && websocket::is_upgrade(request_)) {
+    if ((name == "socket" || name == takeover) && websocket::is_upgrade(request_)) {
       stream_.expires_never();
       return upgrade_(stream_.release_socket(), std::move(request_));
     }
@@ -265,15 +268,26 @@ struct Server::Impl {
           page.reset();
           runner->detach();
         });
-    comer->open(request, [this](const std::shared_ptr<Page>& opened) {
-      if (page && !page->sleeps()) {
-        opened->refuse("Another page shows these worlds already. Close it, then reload this one.");
+    const bool takes_over = file_of(door, view_of(request.target())) == takeover;
+    comer->open(request, [this, takes_over](const std::shared_ptr<Page>& opened) {
+      if (page && !takes_over && !page->sleeps()) {
+        opened->refuse("Another page shows these worlds.");
         return;
       }
-      if (page) page->close();
+      if (page) leave(page->sleeps());
       page = opened;
       runner->attach();
     });
+  }
+
+  /// The page makes room for another one, and is told so unless it sleeps.
+  void leave(bool sleeps) {
+    if (sleeps)
+      page->close();
+    else
+      page->refuse("These worlds are shown in another tab now.");
+    page.reset();
+    runner->detach();
   }
 
   /// Returns a function that a runner's thread hands messages to.
