@@ -250,6 +250,45 @@ def check_plots(view):
     assert low >= -10 and high >= -6, ranges
 
 
+# How far the farthest point of what is drawn in the first world is from the middle of the view, in half its size.
+FARTHEST = """const { painter, camera, frame } = window.plumb, { model } = painter, [port] = painter.viewports();
+const points = frame.sides[0].positions, radii = new Map(model.spheres);
+let out = 0;
+for (let i = 0; i < model.particles; ++i) {
+  if (arguments[0] && !painter.whatStays()[i]) continue;
+  for (const axis of [0, 1, 2])
+    for (const sign of [-1, 1]) {
+      const at = [0, 1, 2].map((c) => points[3 * i + c] + (c === axis ? sign * (radii.get(i) ?? 0) : 0));
+      const { x, y } = camera.project(at, port.width, port.height);
+      out = Math.max(out, Math.abs(2 * x / port.width - 1), Math.abs(2 * y / port.height - 1));
+    }
+}
+return out"""
+
+
+def check_framing(plumb, browser):
+    """What moves is seen whole, and is not lost where it is fast."""
+    for scene, most in [("humanoid:body=medium", 0.85), ("drop", 0.95), ("shot", 1)]:
+        with View(plumb, browser, scene) as view:
+            view.until("window.plumb.frame.frame > 40", "it has moved")
+            view.pause()
+            time.sleep(0.5)  # in which the view follows
+            assert view.js(FARTHEST, False) < most, (scene, view.js(FARTHEST, False))
+            thick = view.js("return 0.6 * window.plumb.painter.model.rodRadius / window.plumb.painter.model.radius")
+            assert thick < 0.05, (scene, "a trail covers nothing", thick)
+
+
+def check_cut_view(view):
+    """The view stays with what hangs on, not with what was cut off and falls."""
+    view.click("reset")
+    view.pause(False)
+    view.js("window.plumb.page.send(window.plumb.requests.cut(10))")
+    view.until("window.plumb.frame.sides[0].gone.length === 1 && window.plumb.frame.frame > 240", "a part fell")
+    assert view.js(FARTHEST, True) < 1, view.js(FARTHEST, True)
+    kept = view.js("return window.plumb.painter.whatStays().filter(Boolean).length")
+    assert kept == 11, kept
+
+
 def check_film(view, folder):
     """A saved page shows what was seen, from a file and without a server."""
     view.js("window.saved = null")
@@ -431,6 +470,7 @@ def check_page(plumb, folder):
             check_plots(view)
             assert view.js("return window.plumb.frame.sides[2].distance") > 0, "worlds differ"
             file = check_replay(view, plumb, folder)
+            check_cut_view(view)
             check_film(view, folder)
             assert not view.severe(), view.severe()
         with View(plumb, browser, "--replay", file) as view:
@@ -451,6 +491,7 @@ def check_page(plumb, folder):
             view.until("document.getElementById('distance').textContent.startsWith('error')", "errors are shown")
             view.until("window.plumb.frame.sides[2].distance > window.plumb.frame.sides[1].distance", "relaxed errs more")
             check_refusals(view)
+        check_framing(plumb, browser)
     finally:
         browser.quit()
 

@@ -21,30 +21,34 @@ export class Camera {
     this.pitch = 0.16;
   }
 
-  /** Shows all of a ball. */
-  frame(center, radius) {
+  /** Shows all of a ball, with some room around it. */
+  frame({ center, radius, room }) {
     this.target = [...center];
     this.radius = Math.max(radius, 1e-3);
-    this.distance = (1.06 * Math.max(radius, 1e-3)) / Math.sin(FIELD / 2);
+    this.distance = (room * this.radius) / Math.sin(FIELD / 2);
     this.yaw = 0.35;
     this.pitch = 0.16;
   }
 
-  /** Goes after what leaves the view, as far as it has to, until somebody moves or zooms it. */
-  follow(positions) {
+  /** Goes after what leaves the view, as far as it has to, until somebody moves or zooms it. `stays` tells which particles count. */
+  follow(positions, thickness, stays) {
     if (!this.radius) return;
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const every = 3 * Math.ceil(positions.length / 3 / MOST_SEEN);
-    for (let i = 0; i < positions.length; i += every)
+    for (let i = 0; i < positions.length; i += every) {
+      if (stays && !stays[i / 3]) continue;
       for (let c = 0; c < 3; ++c) {
         low[c] = Math.min(low[c], positions[i + c]);
         high[c] = Math.max(high[c], positions[i + c]);
       }
+    }
     const away = subtract(scaled(0.5, plus(low, high)), this.target);
-    const beyond = Math.hypot(...away) + 0.5 * Math.hypot(...subtract(high, low)) - SHARE * this.radius;
+    const beyond = Math.hypot(...away) + 0.5 * Math.hypot(...subtract(high, low)) + thickness - SHARE * this.radius;
     const far = Math.hypot(...away);
     if (!(beyond > 0) || !Number.isFinite(far) || far === 0) return;
-    this.target = plus(this.target, scaled((PACE * Math.min(beyond, far)) / far, away));
+    // The middle of what is fast does not leave the view.
+    const way = Math.max(PACE * Math.min(beyond, far), far - this.radius);
+    this.target = plus(this.target, scaled(way / far, away));
   }
 
   orbit(dx, dy) {

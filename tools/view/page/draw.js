@@ -1,6 +1,7 @@
 // Draws the worlds, over each other or side by side.
 import { diverging, islandColour, mixed, rgb, sideColour } from "./colours.js";
 import { makeInstances, makeProgram, makeTriangles, PointTexture } from "./gl.js";
+import { whatStays } from "./measured/parts.js";
 import { Model } from "./model.js";
 import * as shaders from "./shaders.js";
 
@@ -29,6 +30,7 @@ export class Painter {
     const gl = this.gl;
     this.model = new Model(scene);
     this.sides = [];
+    this.gone = { count: 0, stays: null };
     this.ground = this.model.solid.length ? makeTriangles(gl, this.model.solid) : null;
     this.planes = this.model.planes.map((plane) => ({ ...plane, triangles: makeTriangles(gl, plane.corners) }));
     this.end = this.model.end;
@@ -84,6 +86,7 @@ export class Painter {
       const old = before?.sides[i]?.positions;
       if (blend < 1 && old?.length === positions.length) positions = old.map((x, k) => x + blend * (positions[k] - x));
       side.positions = positions;
+      side.gone = from.gone;
       model.fillPoints(positions, side.place);
       side.points.fill(side.place);
       this.tint(side, from, i, frame.sides.length);
@@ -94,6 +97,13 @@ export class Painter {
         side.hulls.count = corners.length / 6;
       }
     });
+  }
+
+  /** Tells which particles of the first world belong to what rods that are gone have left whole. */
+  whatStays() {
+    const rods = this.sides[0]?.gone ?? [];
+    if (rods.length !== this.gone.count) this.gone = { count: rods.length, stays: whatStays(this.model.scene, rods) };
+    return this.gone.count ? this.gone.stays : null;
   }
 
   /** Takes note of where ends are, for their trails. */

@@ -100,7 +100,7 @@ function setScene(scene) {
   if (byId("note").textContent === LOADING) note("");
   const isSame = painter.model && scene.name === painter.model.scene.name && scene.masses.length === painter.model.particles;
   const model = painter.setScene(scene);
-  if (!isSame) camera.frame(model.center, model.radius);
+  if (!isSame) camera.frame(model);
   panel.setScene(scene);
   frame = before = firstEnergy = null;
   Object.values(plots).forEach((plot) => plot.clear());
@@ -201,7 +201,7 @@ function draw() {
   const isSlow = before && period > 25;
   painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
   if (isFresh && before) painter.leaveTrail(frame);
-  camera.follow(frame.sides[0].positions);
+  camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
   painter.draw(camera);
   showTitles();
   if (++ticks % 6 === 0 || isFresh && !frame.playing) showNumbers();
@@ -244,7 +244,7 @@ const setColour = (value) => {
 const keys = {
   " ": togglePlay, ".": () => send(requests.step()), r: () => send(requests.reset()), o: () => flip("overlay"),
   t: () => flip("trails"), s: () => send(requests.record()), p: saveFilm, "?": () => byId("help").showModal(),
-  f: () => camera.frame(painter.model.center, painter.model.radius),
+  f: () => camera.frame(painter.model),
   c: () => setColour(byId("colour").options[(byId("colour").selectedIndex + 1) % byId("colour").options.length].value),
   "[": () => haul(-1), "]": () => haul(1),
 };

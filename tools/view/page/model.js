@@ -2,6 +2,7 @@
 import { groundCorners, hullTriangles, planeSquare } from "./meshes.js";
 
 const MOST_BALLS = 30000;
+const SEEN = 0.04; // of the ground at least, so that what is small is seen against something
 
 const median = (list) => (list.length ? list.sort((a, b) => a - b)[list.length >> 1] : 1);
 
@@ -24,20 +25,18 @@ export class Model {
   }
 
   measure() {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < this.scene.places.length; ++i) {
-      low[i % 3] = Math.min(low[i % 3], this.scene.places[i]);
-      high[i % 3] = Math.max(high[i % 3], this.scene.places[i]);
-    }
+    const { low, high, beyond } = this.bounds();
+    this.thickness = beyond;
     const lengths = [];
     for (let i = 0; i < this.rods; ++i) {
       const [a, b] = [this.scene.rods[2 * i], this.scene.rods[2 * i + 1]].map((p) => this.position(p));
       lengths.push(Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
     }
-    const radii = this.scene.capsules.map((capsule) => capsule.radius);
-    this.length = median(lengths);
     this.center = low.map((l, i) => (l + high[i]) / 2);
-    this.radius = Math.max(Math.hypot(...high.map((h, i) => h - low[i])) / 2, 2 * Math.max(0, ...radii.slice(0, 1000)), 1e-3);
+    this.solid = groundCorners(this.scene.ground);
+    this.radius = Math.max(Math.hypot(...high.map((h, i) => h - low[i])) / 2, SEEN * this.groundRadius(), 1e-3);
+    this.length = lengths.length ? median(lengths) : this.radius / 4;
+    this.room = 1.2; // so that bars cover none of it
     const anchors = [];
     for (let i = 0; i < this.particles && anchors.length < 3; ++i)
       if (this.scene.masses[i] === null) anchors.push(this.position(i));
@@ -50,8 +49,40 @@ export class Model {
       }
       this.center = [anchors[0][0], anchors[0][1] - 0.5 * reach, anchors[0][2]];
       this.radius = 0.92 * reach;
+      this.room = 1.06; // it swings to where it would be covered only for moments
     }
     this.low = Math.min(low[1], this.center[1] - this.radius);
+  }
+
+  /** Returns half the size of the ground that ends somewhere. */
+  groundRadius() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < this.solid.length; i += 6)
+      for (let c = 0; c < 3; ++c) {
+        low[c] = Math.min(low[c], this.solid[i + c]);
+        high[c] = Math.max(high[c], this.solid[i + c]);
+      }
+    return this.solid.length ? Math.hypot(...high.map((h, c) => h - low[c])) / 2 : 0;
+  }
+
+  /** Returns the corners of the smallest box around all that is drawn at first, and how far it goes beyond particles. */
+  bounds() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const add = (p, radius) => {
+      for (let c = 0; c < 3; ++c) {
+        low[c] = Math.min(low[c], p[c] - radius);
+        high[c] = Math.max(high[c], p[c] + radius);
+      }
+    };
+    const { places, capsules, hulls } = this.scene;
+    for (let i = 0; i < this.particles; ++i) add(this.position(i), 0);
+    const inner = [...low, ...high];
+    for (const { a, b, radius } of capsules)
+      for (const place of [a, b])
+        add(typeof place === "number" ? this.position(place) : this.weighted(places, place.particles, place.weights), radius);
+    for (const { particles, weights, radius } of hulls)
+      for (let i = 0; i < weights.length; i += 4) add(this.weighted(places, particles, weights.slice(i, i + 4)), radius);
+    return { low, high, beyond: Math.max(0, ...[...low, ...high].map((edge, i) => Math.abs(edge - inner[i]))) };
   }
 
   /** Returns the number of the point of a place, which is a particle or a mean of some. */
@@ -145,7 +176,6 @@ export class Model {
     const extent = 14 * this.radius;
     const planes = this.scene.ground.planes;
     this.hasFloor = planes.length > 0;
-    this.solid = groundCorners(this.scene.ground);
     // A faint floor gives a sense of space where there is no ground.
     const shown = planes.length > 2 ? planes.filter(({ normal }) => normal[1] > 0.5) : planes;
     const floor = this.hasFloor || this.solid.length ? shown : [{ normal: [0, 1, 0], offset: this.low - 0.15 * this.radius }];
