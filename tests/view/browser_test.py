@@ -369,6 +369,7 @@ def check_pace(view):
     """Steps that take long are told beside the clock, and so is a single one while it is computed; both go when it is fast again."""
     says = "document.getElementById('pace').textContent"
     ask = "window.plumb.page.send(window.plumb.requests.set(arguments[0], arguments[1]))"
+    long = [("sweeps", 1000), ("substeps", 600)]  # so that a step takes some seconds
     assert not view.js("return " + says), "nothing is said of what is fast"
     for name, value in [("substeps", 16), ("sweeps", 300)]:
         view.js(ask, name, value)
@@ -378,7 +379,8 @@ def check_pace(view):
     assert view.js("return document.getElementById('pace').title"), "with a reason"
     view.js("window.paces = []; const p = document.getElementById('pace');"
             "new MutationObserver(() => window.paces.push(p.textContent)).observe(p, { childList: true })")
-    view.js(ask, "substeps", 800)
+    for name, value in long:
+        view.js(ask, name, value)
     view.until("window.paces.includes('Computing …')", "a step that takes long is told")
     view.click("reset")
     for name, value in [("sweeps", 1), ("substeps", 1)]:
@@ -387,7 +389,7 @@ def check_pace(view):
     view.goes_on()
     # Worlds that stand still compute, too, where a step is asked for.
     view.pause()
-    for name, value in [("sweeps", 300), ("substeps", 800)]:
+    for name, value in long:
         view.js(ask, name, value)
     view.js("window.paces = []")
     view.click("step")
