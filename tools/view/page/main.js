@@ -53,7 +53,7 @@ const tell = connect({
     take(next);
   },
   state: (state, text, takeOver) => {
-    pace.isOpen = state === "open" && !isFilm;
+    pace.connect(state === "open" && !isFilm);
     if (takeOver) offerTakeover(text, takeOver);
     else note(text, state !== "open", state !== "open");
     // Nobody would hear what is asked for here.

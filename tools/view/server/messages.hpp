@@ -42,7 +42,8 @@ std::string encode_frame(const Exhibit& exhibit, const Pace& pace, Values values
 
 /// Returns what a page draws, with everything that does not change from frame to frame.
 scenes::Json scene_json(const Exhibit& exhibit);
-/// Returns the worlds and their settings, and the scene's gravity, drag and end mass.
+/// Returns the worlds and their settings, the comparison that they are, and the scene's gravity, drag and end
+/// mass.
 scenes::Json sides_json(const Exhibit& exhibit);
 /// Returns scenes, comparisons and methods to choose from.
 scenes::Json menu_json();

@@ -3,7 +3,6 @@ import { short } from "./tables.js";
 
 const LONG = 1000; // ms, of waiting or of slowness that is worth a word
 const SLOW = 0.9; // of the speed that was asked for
-const BLINK = 100; // ms: a longer gap between pictures counts as this, for the page did not wait in all of it
 const GAPS = 4; // times as long as usual is a gap in which the page did not run
 const RECENT = 5000; // ms, in which frames from before a gap still come
 const STAYS = 3000; // ms, so that a number can be read
@@ -15,6 +14,12 @@ const WHY = "Steps take longer than the time that they simulate. Fewer substeps,
 export class Pace {
   constructor(place) {
     Object.assign(this, { place, isOpen: false, awaits: new Set(), number: -1, waited: 0, slow: 0, usual: FRAME, last: 0, woke: -Infinity, said: 0, kind: "" });
+  }
+
+  /** The connection to worlds opens or closes. Nothing that was asked for before is waited for. */
+  connect(isOpen) {
+    this.isOpen = isOpen;
+    this.awaits.clear();
   }
 
   /** A request is on its way. */
@@ -49,10 +54,11 @@ export class Pace {
   /** A picture is drawn of a frame, if there is one. `speed` is what was asked for; none of a recording. */
   tick(now, frame, speed) {
     const gap = this.last ? now - this.last : FRAME;
-    if (this.isGap(gap)) this.woke = now;
+    const hasStood = this.isGap(gap);
+    if (hasStood) this.woke = now;
     this.usual += 0.1 * (Math.min(gap, RECENT) - this.usual);
     this.last = now;
-    const passed = Math.min(gap, BLINK);
+    const passed = hasStood ? 0 : gap; // a page that slept did not wait
     this.waited += passed;
     const isSlow = frame?.playing && frame.reached > 0 && frame.reached < SLOW * speed;
     this.slow = isSlow ? this.slow + passed : 0;
