@@ -1,7 +1,7 @@
 // Says in words what a comparison of weights shows.
 
 const RECENT = 180; // frames
-const NEAR = 1, APART = 10; // percent
+const NEAR = 1, CLOSE = 3, APART = 10; // percent
 const MUCH = 2; // times as far
 export const ALIKE = 0.1; // of the larger one
 
@@ -36,7 +36,8 @@ export function verdict(sides, series, { least, most, end }, endMass) {
   if (Math.max(most, last) <= (1 + ALIKE) * Math.min(least, last)) return "All masses are alike, so that weights do not matter." + heavier;
   if (far < NEAR) return "Both move as the reference does." + heavier;
   if (e > MUCH * m)
-    return m < APART ? "By mass moves as the reference does. Equal does not." : "By mass is nearer to the reference.";
+    return m < CLOSE ? "By mass moves as the reference does. Equal does not."
+      : `By mass is ${Math.round(e / m)} times nearer to the reference than equal, in the mean of 3 s.`;
   if (far > APART && Math.min(m, e) > APART / MUCH)
     return "Both have left the reference: differences grow as worlds move on. Reset begins again.";
   if (Math.abs(m - e) < ALIKE * far) return "Both are as far from the reference: weights hardly matter here.";
