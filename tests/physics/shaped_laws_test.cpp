@@ -12,6 +12,7 @@
 
 #include "plumb/joints.hpp"
 #include "plumb/plumb.hpp"
+#include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
