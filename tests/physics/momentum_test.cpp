@@ -217,7 +217,8 @@ TEST(Momentum, OfWhatIsPushedApartStays) {
 }
 
 // So do two boxes on a ball joint that fly with the rope in which they are. They have no motion but that of
-// all, and everything that pushes them apart would be gained.
+// all, and everything that pushes them apart would be gained. Overlaps of 4 cm in 2 ms are pushed apart at
+// some 20 m/s, in thousands of visits, and what these round off adds up to less than 1e-11 m/s.
 TEST(Momentum, StaysWhereAllFlyAsOneInEachOther) {
   for (const Method method : {Method::relax, Method::automatic, Method::direct}) {
     Scene scene;
@@ -243,7 +244,7 @@ TEST(Momentum, StaysWhereAllFlyAsOneInEachOther) {
     for (int step = 0; step < 20; ++step) {
       total += world.step(1.0 / 240);
       const Momentum now = test::momentum_of(scene, world);
-      ASSERT_LE(norm(now.linear - Vec3{0, 0.8, 0}), 1e-12) << to_string(method) << ' ' << step;
+      ASSERT_LE(norm(now.linear - Vec3{0, 0.8, 0}), 1e-11) << to_string(method) << ' ' << step;
     }
     EXPECT_GT(total.contact_points, 0u) << to_string(method);
     EXPECT_GT(total.guarded_energy, 0u) << to_string(method);

@@ -153,7 +153,7 @@ TEST(Blows, WhatIsHeldBackInFlightKeepsItsMomentum) {
 
 // A box that is relaxed against a wall is slowed where its blow would bring energy.
 TEST(Shots, RelaxedBlowsThatAreHeldBackAreCounted) {
-  const StepReport report = counts_of(12041, "relax");
+  const StepReport report = counts_of(12136, "relax");
   EXPECT_GT(report.guarded_energy, 0u);
   EXPECT_GT(report.trimmed_energy, 0u);
 }

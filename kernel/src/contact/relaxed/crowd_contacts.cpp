@@ -31,6 +31,23 @@ double add_terms(std::span<const Term> terms, double sign, Array<Term>& to) {
 
 }  // namespace
 
+// --- Contacts of a step
+
+template <class T>
+void CrowdContacts<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                            const Surroundings& surroundings, const GroundNow& ground, double dt,
+                            double recovery_rate) {
+  recovery_rate_ = recovery_rate;
+  moved_ = -1;
+  way_ = 0;
+  near_.find(cluster, crowd, surroundings, ground, dt);
+  ends_.clear();
+  ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
+  longest_ = -1;
+  if (near_.may_meet() || meets_) lines_.begin_step(cluster, crowd, near_);
+  meets_ = near_.may_meet();
+}
+
 // --- Contacts of a substep
 
 template <class T>

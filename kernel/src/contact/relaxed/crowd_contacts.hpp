@@ -6,6 +6,7 @@
 #include <span>
 
 #include "contact/ground/ground_search.hpp"
+#include "contact/relaxed/bodies/rigid_contacts.hpp"
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/lines/crowd_lines.hpp"
@@ -49,17 +50,7 @@ class CrowdContacts {
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
   /// (1/s) is the share of an overlap that is taken back.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
-            const GroundNow& ground, double dt, double recovery_rate) {
-    recovery_rate_ = recovery_rate;
-    moved_ = -1;
-    way_ = 0;
-    near_.find(cluster, crowd, surroundings, ground, dt);
-    ends_.clear();
-    ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
-    longest_ = -1;
-    if (near_.may_meet() || meets_) lines_.begin_step(cluster, crowd, near_);
-    meets_ = near_.may_meet();
-  }
+            const GroundNow& ground, double dt, double recovery_rate);
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
@@ -165,6 +156,7 @@ class CrowdContacts {
     std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
     std::uint32_t other_terms = 0;  ///< where those of the second shape begin
     std::uint32_t rare = none;      ///< what few contacts have
+    std::uint32_t rigid = none;     ///< its number among those of rigid bodies
     bool in_vectors = false;
   };
   /// Few contacts have this: those that turn bodies, that are carried by ground or bounce, or are counted.
@@ -347,6 +339,7 @@ class CrowdContacts {
   bool wake(std::span<LinkageState* const> cluster);
   static Contact copied(const Batch& from, const Contact& contact, Batch& to);
   void lay_out(const Crowd<T>& crowd);
+  std::uint32_t add_rigid(const Crowd<T>& crowd, const Batch& batch, const Contact& contact);
   void find_heaps(std::size_t islands);
   std::uint32_t heap_of(std::uint32_t island);
   template <class Visit>
@@ -371,7 +364,8 @@ class CrowdContacts {
   CrowdEnds<T> ends_;
   CrowdLines<T> lines_;
   ContactVectors<T> vectors_;
-  Array<Place> alone_;  ///< what is not in vectors, in the order of contacts
+  RigidContacts<T> rigid_;
+  Array<Place> alone_;  ///< what is not in vectors: in the order of contacts, but rigid bodies backwards
   PlacedHulls placed_hulls_;
   Array<PlacedLine> placed_lines_;    ///< by body
   Array<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is

@@ -11,9 +11,10 @@
 namespace plumb::detail {
 
 /// Gives the four particles of a body the rigid motion with their momentum and angular momentum, unless some
-/// are fixed. A blow on one of its corners moves all of it then, as it does where rods are solved.
-template <class T>
-void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles) {
+/// are fixed. of(place) says how a particle moves, and push(place, by) changes that.
+template <class T, class Of, class Push>
+void make_rigid(const Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles,
+                Of&& of, Push&& push) {
   std::array<double, 4> mass;
   std::array<Vec3, 4> from, v;
   std::array<std::uint32_t, 4> at;
@@ -25,7 +26,7 @@ void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uin
     at[i] = crowd.number_of(island, particles[i]);
     mass[i] = 1 / inverse;
     from[i] = crowd.position(at[i]);
-    v[i] = crowd.velocity(at[i]);
+    v[i] = of(at[i]);
     all += mass[i];
     middle += mass[i] * from[i];
     momentum += mass[i] * v[i];
@@ -43,7 +44,16 @@ void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uin
   const double size = dot(x, yz);
   if (!(size > 0)) return;
   spin = (1 / size) * Vec3{dot(yz, spin), dot(cross(z, x), spin), dot(cross(x, y), spin)};
-  for (std::size_t i = 0; i < 4; ++i) crowd.push_velocity(at[i], common + cross(spin, from[i]) - v[i]);
+  for (std::size_t i = 0; i < 4; ++i) push(at[i], common + cross(spin, from[i]) - v[i]);
+}
+
+/// Does so with velocities. A blow on one of a body's corners moves all of it then, as it does where rods are
+/// solved.
+template <class T>
+void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles) {
+  make_rigid(
+      crowd, island, particles, [&](std::uint32_t at) { return crowd.velocity(at); },
+      [&](std::uint32_t at, Vec3 by) { crowd.push_velocity(at, by); });
 }
 
 /// Returns the particles of the body that a shape or a hull of an island turns with, by its number; null if

@@ -1,5 +1,6 @@
 #include "contact/relaxed/bodies/crowd_bodies.hpp"
 
+#include "contact/relaxed/blows/rigid_velocities.hpp"
 #include "math/nearest_rotation.hpp"
 #include "plumb/joints.hpp"
 #include "scene/barycentric.hpp"
@@ -22,11 +23,22 @@ Vec3 middle(const std::array<Vec3, 4>& x, const std::array<double, 4>& mass) {
   return (1 / all) * sum;
 }
 
+/// Returns whether anything but elastics holds bodies of an island, each of which is six rods.
+bool are_held(const LinkageState& state) {
+  const Linkage& linkage = *state.linkage;
+  bool out = !state.angle_rules.empty();
+  linkage.for_pins([&](const Combination&) { out = true; });
+  linkage.for_alignments([&](const Combination&, const Combination&, double) { out = true; });
+  return out || linkage.rods() - linkage.giving_rods() > 6 * linkage.bodies().size();
+}
+
 }  // namespace
 
 template <class T>
 auto CrowdBodies<T>::made(std::uint32_t island, const BodyShape& shape, const Crowd<T>& crowd) -> Body {
   Body out;
+  out.island = island;
+  out.particles = shape.particles;
   double all = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const double inverse = crowd.inverse_mass(island, shape.particles[i]);
@@ -50,7 +62,11 @@ void CrowdBodies<T>::gather(std::span<LinkageState* const> cluster, const Crowd<
   bodies_.clear();
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     if (!crowd.is_moving(i)) continue;
-    for (const BodyShape& shape : cluster[i]->linkage->bodies()) bodies_.push_back(made(i, shape, crowd));
+    const bool is_held = are_held(*cluster[i]);
+    for (const BodyShape& shape : cluster[i]->linkage->bodies()) {
+      bodies_.push_back(made(i, shape, crowd));
+      bodies_.back().is_held = is_held;
+    }
   }
 }
 
@@ -75,6 +91,15 @@ void CrowdBodies<T>::right(Crowd<T>& crowd) const {
       crowd.push(body.at[i], center + r.x * axes[0] + r.y * axes[1] + r.z * axes[2] - x[i]);
     }
   }
+}
+
+template <class T>
+void CrowdBodies<T>::begin_rigidly(Crowd<T>& crowd) const {
+  for (const Body& each : bodies_)
+    if (!each.is_held)
+      make_rigid(
+          crowd, each.island, each.particles, [&](std::uint32_t at) { return crowd.moved(at); },
+          [&](std::uint32_t at, Vec3 by) { crowd.push(at, by); });
 }
 
 template class CrowdBodies<float>;

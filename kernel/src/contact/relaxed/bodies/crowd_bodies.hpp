@@ -19,10 +19,17 @@ class CrowdBodies {
   /// Gives bodies that displacements turn inside out, or nearly so, their shape. Each is put where it is
   /// nearest to its particles, weighted by mass: the pushes for that have no sum and no torque.
   void right(Crowd<T>& crowd) const;
+  /// Gives displacements of bodies the rigid motion with their momentum and angular momentum. Rods would come
+  /// to that, but for the second order, and what rests starts from rest. What joints and other rods pull with
+  /// is not known as a substep begins: bodies that they hold start as their particles do.
+  void begin_rigidly(Crowd<T>& crowd) const;
 
  private:
   struct Body {
-    std::array<std::uint32_t, 4> at;  ///< places of its particles
+    std::uint32_t island;
+    bool is_held;  ///< by joints or rods
+    std::array<std::uint32_t, 4> particles;
+    std::array<std::uint32_t, 4> at;  ///< their places
     std::array<double, 4> mass;       ///< kg; those that are fixed weigh more than all others
     std::array<bool, 4> moves;
     std::array<Vec3, 4> offsets;  ///< m, in the scene, from their middle

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "contact/relaxed/blows/rigid_velocities.hpp"
@@ -9,21 +10,44 @@
 
 namespace plumb::detail {
 
-/// Sorts contacts into vectors. Those whose friction acts elsewhere than their normal push, or that resist
-/// turning, stay alone.
+/// Adds a contact of a rigid body. Returns its number, or none if it has none that moves freely.
+template <class T>
+std::uint32_t CrowdContacts<T>::add_rigid(const Crowd<T>& crowd, const Batch& batch, const Contact& contact) {
+  const std::span<const Term> terms = batch.terms_of(contact.terms);
+  const std::size_t own = contact.other_terms - contact.terms.first;
+  std::array<typename RigidContacts<T>::Side, 2> sides;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (contact.island[i] == none) continue;
+    sides[i] = {contact.island[i], body_under(near_, contact.island[i], contact.shape[i]),
+                i == 0 ? terms.first(own) : terms.subspan(own)};
+  }
+  return rigid_.add(crowd, sides, contact.normal);
+}
+
+/// Sorts contacts into vectors. Those of rigid bodies, those whose friction acts elsewhere than their normal
+/// push, and those that resist turning stay alone. Rigid bodies are visited from the last contact to the
+/// first, so that what a sweep leaves is not in the ground, which comes first.
 template <class T>
 void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
   alone_.clear();
   heap_ends_.clear();
+  rigid_.clear();
   vectors_.begin(crowd);
   for (std::uint32_t b = 0; b < batches_.size(); ++b)
     for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k) {
       Contact& contact = batches_[b].contacts[k];
       const Rare& rare = batches_[b].rare_of(contact);
       const bool is_plain = !rare.slides_apart && rare.turning == none;
-      contact.in_vectors = is_plain && vectors_.color(crowd, batches_[b].terms_of(contact.terms));
+      contact.rigid = is_plain ? add_rigid(crowd, batches_[b], contact) : none;
+      contact.in_vectors =
+          is_plain && contact.rigid == none && vectors_.color(crowd, batches_[b].terms_of(contact.terms));
       if (!contact.in_vectors) alone_.push_back({b, k});
     }
+  const auto is_rigid = [&](const Place& place) {
+    return batches_[place.batch].contacts[place.number].rigid != none;
+  };
+  const auto first = std::stable_partition(alone_.begin(), alone_.end(), std::not_fn(is_rigid));
+  std::reverse(first, alone_.end());
   vectors_.reserve(crowd);
   for_contacts([&](Batch& batch, Contact& contact) {
     if (contact.in_vectors)
@@ -137,6 +161,15 @@ template <class T>
 auto CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) -> Change {
   const std::span<const Term> terms = batch.terms_of(contact.terms), sliding = batch.sliding_of(contact);
   const Rare& rare = batch.rare_of(contact);
+  if (contact.rigid != none) {
+    const double before = contact.push;
+    const Vec3 across_before = contact.across;
+    rigid_.visit(crowd,
+                 {contact.rigid, terms, contact.other_terms - contact.terms.first, contact.normal,
+                  rare.carried, contact.gap, contact.friction},
+                 contact.push, contact.across);
+    return {(contact.push - before) * contact.normal, contact.across - across_before};
+  }
   const bool is_one = !rare.slides_apart;
   const Vec3 moved = crowd.moved(terms) - rare.carried;
   const double along = dot(contact.normal, moved);
