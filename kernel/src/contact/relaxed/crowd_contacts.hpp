@@ -366,6 +366,7 @@ class CrowdContacts {
   ContactVectors<T> vectors_;
   RigidContacts<T> rigid_;
   Array<Place> alone_;  ///< what is not in vectors: in the order of contacts, but rigid bodies backwards
+  Array<Place> rigid_places_;  ///< of those of rigid bodies, in order
   PlacedHulls placed_hulls_;
   Array<PlacedLine> placed_lines_;    ///< by body
   Array<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is

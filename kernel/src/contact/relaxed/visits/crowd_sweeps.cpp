@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "contact/relaxed/blows/rigid_velocities.hpp"
@@ -32,6 +31,7 @@ void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
   alone_.clear();
   heap_ends_.clear();
   rigid_.clear();
+  rigid_places_.clear();
   vectors_.begin(crowd);
   for (std::uint32_t b = 0; b < batches_.size(); ++b)
     for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k) {
@@ -41,13 +41,12 @@ void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
       contact.rigid = is_plain ? add_rigid(crowd, batches_[b], contact) : none;
       contact.in_vectors =
           is_plain && contact.rigid == none && vectors_.color(crowd, batches_[b].terms_of(contact.terms));
-      if (!contact.in_vectors) alone_.push_back({b, k});
+      if (contact.rigid != none)
+        rigid_places_.push_back({b, k});
+      else if (!contact.in_vectors)
+        alone_.push_back({b, k});
     }
-  const auto is_rigid = [&](const Place& place) {
-    return batches_[place.batch].contacts[place.number].rigid != none;
-  };
-  const auto first = std::stable_partition(alone_.begin(), alone_.end(), std::not_fn(is_rigid));
-  std::reverse(first, alone_.end());
+  alone_.insert(alone_.end(), rigid_places_.rbegin(), rigid_places_.rend());
   vectors_.reserve(crowd);
   for_contacts([&](Batch& batch, Contact& contact) {
     if (contact.in_vectors)
