@@ -300,7 +300,7 @@ std::string name_now(const SideStart& side) {
 
 std::vector<Comparison> comparisons() {
   return {{"mass against equal",
-           "Rods are corrected one after the other. The pale reference solves all of them at once.",
+           "A rope moves by corrections of its rods, one after the other. The pale reference solves all at once.",
            {{"direct", direct()},
             {"by mass", relaxed_closely(Weights::mass)},
             {"equal", relaxed_closely(Weights::equal)}},

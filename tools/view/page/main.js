@@ -18,6 +18,7 @@ import { note, offerTakeover } from "./words/note.js";
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
+const PAUSED = "Paused: this moves once worlds play (Space) or step (.). Hold on until then.";
 const LOADING = "Loading …";
 const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but one that slept
 const pace = new Pace(byId("pace"));
@@ -72,7 +73,7 @@ const panel = new Panel(send);
 const page = {
   send,
   sayIfPaused: () => {
-    if (!frame.playing) note("Paused: this moves once worlds play (Space) or step (.). Hold on until then.");
+    if (!frame.playing) note(PAUSED);
   },
   isFixed: (particle) => (frame?.sides[0].flags[particle] & 2) !== 0,
   choseRod: (rod) => {
@@ -103,7 +104,8 @@ function setScene(scene) {
   if (!isSame) camera.frame(model);
   panel.setScene(scene);
   frame = before = firstEnergy = null;
-  Object.values(plots).forEach((plot) => plot.clear());
+  Object.values(plots).forEach((plot) => { plot.clear(); plot.draw(); });
+  byId("verdict").textContent = byId("clock").textContent = ""; // a step may take long
   winch = scene.reels ? { kind: "reel", number: 0 } : scene.tackles.length ? { kind: "tackle", number: 0 }
     : scene.name.startsWith("winch") ? { kind: "rod", number: 0 } : null;
   byId("winch").hidden = !winch || page.hands.tool !== "haul";
@@ -144,6 +146,7 @@ function take(next) {
   frame = next;
   isFresh = true;
   byId("play").textContent = frame.playing ? "Pause" : "Play";
+  if (frame.playing && byId("note").textContent === PAUSED) note("");
   if (!isNew) return;
   const energies = frame.sides.map((side) => side.kinetic + side.potential + side.elastic);
   if (!firstEnergy || firstEnergy.length !== energies.length) {
@@ -165,7 +168,8 @@ function showNumbers() {
     item.querySelector("span").textContent = (i > 0 ? percentText(100 * side.distance) : frame.sides.length > 1 ? "reference" : "")
       + (frame.playing ? "" : ` · state ${hashText(side.hash)}`);
   });
-  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.masses, lastSides.end_mass);
+  const endMass = frame.sides[0].gone.length ? null : lastSides.end_mass; // its rope may be cut
+  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.masses, endMass);
   byId("counters").innerHTML = counterRows(frame);
   byId("stages").innerHTML = stageRows(frame, panel.stages ?? []);
   showKey(byId("key"), painter, frame);

@@ -2,9 +2,10 @@
 
 const RECENT = 180; // frames
 const NEAR = 1, CLOSE = 3, APART = 10; // percent
-const MUCH = 2; // times as far
+const MUCH = 2, FAR_MORE = 5; // times as far
 export const ALIKE = 0.1; // of the larger one
 
+const starting = (words) => words[0].toUpperCase() + words.slice(1);
 const rms = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
 
 /** Spells how far a world is from the first, in percent. */
@@ -27,19 +28,20 @@ export function compared(sides) {
  * their particles, and `endMass` is that of the slider, if there is one.
  */
 export function verdict(sides, series, { least, most, end }, endMass) {
-  const both = compared(sides)?.map((i) => series[i]?.slice(-RECENT));
+  const found = compared(sides), both = found?.map((i) => series[i]?.slice(-RECENT));
   if (!both || !both.every((list) => list?.length >= 60)) return "";
   const [m, e] = both.map(rms), far = Math.max(m, e);
   if (!Number.isFinite(far)) return "One of them flew apart.";
   const heavier = endMass !== null ? " Make the end heavier." : "";
   const last = endMass ?? end;
-  if (Math.max(most, last) <= (1 + ALIKE) * Math.min(least, last)) return "All masses are alike, so that weights do not matter." + heavier;
+  if (Math.max(most, last) <= (1 + ALIKE) * Math.min(least, last)) return "All masses are alike: weights make no difference." + heavier;
   if (far < NEAR) return "Both move as the reference does." + heavier;
+  const [byMass, equal] = found.map((i) => sides[i].name);
   if (e > MUCH * m)
-    return m < CLOSE ? "By mass moves as the reference does. Equal does not."
-      : `By mass is ${Math.round(e / m)} times nearer to the reference than equal, in the mean of 3 s.`;
+    return m < CLOSE ? `${starting(byMass)} moves as the reference does. ${starting(equal)} does not.`
+      : `${starting(byMass)} is ${e > FAR_MORE * m ? "much " : ""}nearer to the reference than ${equal}.`;
   if (far > APART && Math.min(m, e) > APART / MUCH)
     return "Both have left the reference: differences grow as worlds move on. Reset begins again.";
   if (Math.abs(m - e) < ALIKE * far) return "Both are as far from the reference: weights hardly matter here.";
-  return (m < e ? "By mass" : "Here equal") + " is nearer to the reference.";
+  return starting(m < e ? byMass : "here " + equal) + " is nearer to the reference.";
 }

@@ -46,7 +46,7 @@ export function showWhy(place, sides, masses, endMass) {
   const [light, heavy] = [next, endMass].sort((a, b) => a - b);
   const [few, many] = [light, heavy].map(kilograms), ratio = times(heavy / light);
   const rows = [
-    { name: "by mass", share, says: [`${few} goes`, `${ratio} × as far`] },
+    { name: "by mass", share, says: [`${few} goes ${ratio} ×`, `as far as ${many}`] },
     { name: "equal", share: 0.5, says: [`${many} is moved`, `like ${few}`] }];
   const label = `By mass, ${kilograms(next)} takes ${percent(share)} of the way and ${kilograms(endMass)} takes ${percent(1 - share)}. `
     + `Equal gives each 50 %: ${many} is moved like ${few}.`;
