@@ -2,7 +2,7 @@
 import { sideText } from "../colours.js";
 import { ALIKE, compared } from "./verdict.js";
 
-const WIDTH = 380, HEIGHT = 88, ROWS = [22, 64]; // pixels
+const WIDTH = 380, HEIGHT = 78, ROWS = [19, 58]; // pixels
 const LIGHT = 92, HEAVY = 212; // where discs are
 const EXCESS = 76; // what the rod is too long by, which arrows share
 const HEAD = 6; // of an arrow
