@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails, with file and number, where the tree outgrows its limits.
+"""Fails, with file and number, where the tree outgrows its limits, or the kernel calls what rounds otherwise elsewhere.
 
 usage: structure_test.py [FOLDER...]
 
@@ -20,6 +20,11 @@ MOST_EQUAL_LINES = 6  # in a row, twice in a folder of UNIQUE; blank lines, brac
 # Tests are left out: a folder there is a kind of test, with a file for each thing tested.
 CHECKED = ["bench", "kernel", "layouts", "tools"]
 UNIQUE = ["kernel"]
+# Bits are promised to be the same on every machine there. Square roots are; what else libraries round is not.
+SAME_BITS = ["kernel/include", "kernel/simd", "kernel/src", "layouts"]
+ROUNDED = re.compile(
+    r"std::(a?sin|a?cos|a?tan|atan2|[sct]..?h|exp2?|expm1|log|log2|log10|log1p|pow|cbrt|hypot|[tl]gamma|erfc?)\("
+)
 # All files of the top level, but for hidden ones.
 TOP_FILES = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md"}
 # Folders of measured results, which grow with every machine.
@@ -156,6 +161,14 @@ def check_includes(path, complain):
             complain(f"{name(path)}:{number}: a source file is included")
 
 
+def check_bits(path, complain):
+    if not any(name(path).startswith(folder + "/") for folder in SAME_BITS):
+        return
+    for number, line in enumerate(without_text(path.read_text()).split("\n"), 1):
+        for found in ROUNDED.finditer(line):
+            complain(f"{name(path)}:{number}: std::{found.group(1)} rounds otherwise elsewhere; see math/elementary.hpp")
+
+
 def check_files(folder, complain):
     counts = collections.Counter(name(path.parent) for path in files_below(folder))
     for subfolder, count in sorted(counts.items()):
@@ -207,6 +220,7 @@ def main(folders):
             if path.suffix in CPP:
                 check_source(path, complaints.append)
                 check_includes(path, complaints.append)
+                check_bits(path, complaints.append)
         if folder.split("/")[0] in UNIQUE:
             check_equal_lines(folder, complaints.append)
     print("\n".join(complaints) if complaints else "within all limits: " + ", ".join(folders))

@@ -32,7 +32,7 @@ double bytes_an_item(const Scene& scene, const Settings& settings) {
   if (is_relaxed) return of_relaxed_part;
   const double particles = static_cast<double>(scene.particles.size());
   const bool may_have_nets = scene.rods.size() > scene.particles.size() + 6 * scene.bodies.size();
-  return std::max(of_solved_part, may_have_nets ? of_net_part * std::pow(particles, 0.25) : 0.0);
+  return std::max(of_solved_part, may_have_nets ? of_net_part * std::sqrt(std::sqrt(particles)) : 0.0);
 }
 
 double pieces_of_ground(const Scene& scene) {

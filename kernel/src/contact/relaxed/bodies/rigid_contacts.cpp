@@ -80,7 +80,8 @@ std::uint32_t RigidContacts<T>::add(const Crowd<T>& crowd, const std::array<Side
   contact.first = over * second;
   contact.both = -over * both;
   contact.second = over * first;
-  contact.over_sliding = 2 / (first + second + std::hypot(first - second, 2 * both));
+  contact.over_sliding =
+      2 / (first + second + std::sqrt((first - second) * (first - second) + 4 * both * both));
   contacts_.push_back(contact);
   return static_cast<std::uint32_t>(contacts_.size() - 1);
 }
