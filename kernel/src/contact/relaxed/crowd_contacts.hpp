@@ -51,6 +51,8 @@ class CrowdContacts {
   /// (1/s) is the share of an overlap that is taken back.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double recovery_rate);
+  /// Lets bodies that are touched begin a substep as rigid bodies.
+  void begin_rigidly(Crowd<T>& crowd) const { rigid_.begin_rigidly(crowd); }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,

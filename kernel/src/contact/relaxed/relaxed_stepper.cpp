@@ -345,6 +345,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   StoppedBy reason = StoppedBy::sweeps;
   double left = INFINITY;
   bodies_.begin_rigidly(crowd_);
+  contacts_.begin_rigidly(crowd_);
   const bool has_momentum = begin_momentum();
   while (done < most_sweeps_) {
     if (stop.tolerance && left <= *stop.tolerance * settings_.length_scale &&

@@ -82,13 +82,30 @@ void ClusterStepper::push_held() {
 
 namespace {
 
-/// Scales (a, b) down to the length `most` if it is longer.
-void into_disk(double& a, double& b, double most) {
-  const double square = a * a + b * b;
-  if (square <= most * most) return;
-  const double by = most / std::sqrt(square);
-  a *= by;
-  b *= by;
+/// Brings pushes along two axes, which would end what they see, into a disk of this radius. Each moves its
+/// axis by 1/over. Among all in the disk they are what leaves the least energy: that is against what is left
+/// of the motion, as friction is, and nearest in the norm of these responses (Moré and Sorensen 1983).
+void into_disk(double& a, double& b, double over_a, double over_b, double most) {
+  constexpr int steps = 3;  // of Newton's method from below, which has the multiplier to 1e-3 or better
+  const double a_alone = a, b_alone = b;
+  double size = std::sqrt(a * a + b * b);
+  if (size <= most) return;
+  if (over_a > 0 && over_b > 0 && over_a != over_b && most > 0) {
+    const double own_a = 1 / over_a, own_b = 1 / over_b;
+    double multiplier = std::min(own_a, own_b) * (size / most - 1);
+    for (int step = 0; step < steps; ++step) {
+      a = own_a / (own_a + multiplier) * a_alone;
+      b = own_b / (own_b + multiplier) * b_alone;
+      size = std::sqrt(a * a + b * b);
+      multiplier += (size - most) / most * (size * size) /
+                    (a * a / (own_a + multiplier) + b * b / (own_b + multiplier));
+    }
+    a = own_a / (own_a + multiplier) * a_alone;
+    b = own_b / (own_b + multiplier) * b_alone;
+    size = std::sqrt(a * a + b * b);
+  }
+  a *= most / size;
+  b *= most / size;
 }
 
 }  // namespace
@@ -125,7 +142,7 @@ double ClusterStepper::contact(std::size_t r, double wanted, double kept) {
   }
   const double normal = std::max(0.0, wanted), by0 = normal - n.*of;
   double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
-  into_disk(first, second, n.bound * normal);
+  into_disk(first, second, s.over, t.over, n.bound * normal);
   const double by1 = first - s.*of, by2 = second - t.*of;
   if constexpr (sweep == Sweep::pushes) {
     n.*of = normal;
@@ -141,7 +158,7 @@ template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
 double ClusterStepper::roll(std::size_t r, double most) {
   Row &s = rows_[r], &t = rows_[r + 1];
   double first = s.*of - s.over * see(s), second = t.*of - t.over * see(t);
-  into_disk(first, second, most);
+  into_disk(first, second, s.over, t.over, most);
   const double worst = set<of, sweep>(s, first);
   return std::max(worst, set<of, sweep>(t, second));
 }

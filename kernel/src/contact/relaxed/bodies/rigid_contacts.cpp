@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/relaxed/blows/rigid_velocities.hpp"
+
 namespace plumb::detail {
 
 /// Returns the number of a side's body, or none if it has none that moves freely. Contacts of a pair follow
@@ -84,6 +86,14 @@ std::uint32_t RigidContacts<T>::add(const Crowd<T>& crowd, const std::array<Side
       2 / (first + second + std::sqrt((first - second) * (first - second) + 4 * both * both));
   contacts_.push_back(contact);
   return static_cast<std::uint32_t>(contacts_.size() - 1);
+}
+
+template <class T>
+void RigidContacts<T>::begin_rigidly(Crowd<T>& crowd) const {
+  for (const Body& each : bodies_)
+    make_rigid(
+        crowd, each.island, *each.particles, [&](std::uint32_t at) { return crowd.moved(at); },
+        [&](std::uint32_t at, Vec3 by) { crowd.push(at, by); });
 }
 
 template <class T>

@@ -41,6 +41,9 @@ class RigidContacts {
   }
   /// Adds a contact. Returns its number, or none if no side of it is a body that moves freely.
   std::uint32_t add(const Crowd<T>& crowd, const std::array<Side, 2>& sides, Vec3 normal);
+  /// Gives displacements of all bodies that have contacts the rigid motion with their momentum and angular
+  /// momentum. Rigid pushes do not damp another.
+  void begin_rigidly(Crowd<T>& crowd) const;
   /// Sets the pushes of a contact, along its normal and against sliding (kg m), to what its places ask for.
   void visit(Crowd<T>& crowd, const Visited& contact, double& push, Vec3& across) const;
 
