@@ -61,8 +61,8 @@ Watched watch(const Scene& scene, World& world, double dt, double duration) {
   return out;
 }
 
-/// Lets balls hit figures and expects them to stay whole: 1 % of strain and a share of energy are the bars for
-/// blows of any kind, at any step a game may take.
+/// Lets balls hit figures and expects them to stay whole: 1 % of strain and a share of energy are the bars
+/// for blows of any kind, at any step a game may take.
 void expect_to_stay_whole(std::optional<Gradient> gradient, int hits, double most_gained) {
   test::Random random(17);
   const double steps[] = {1.0 / 240, 1.0 / 60, 1.0 / 30, 1.0 / 15};
