@@ -82,32 +82,36 @@ void ClusterStepper::push_held() {
 
 namespace {
 
-/// Brings pushes along two axes, which would end what they see, into a disk of this radius. Each moves its
-/// axis by 1/over. Among all in the disk they are what leaves the least energy: that is against what is left
-/// of the motion, as friction is, and nearest in the norm of these responses (Moré and Sorensen 1983).
-void into_disk(double& a, double& b, double over_a, double over_b, double most) {
-  // Of Newton's method for the multiplier, from below: the direction is right to 3e-6 where responses differ
-  // by 10, and to 0.01 by 100.
-  constexpr int steps = 3;
-  const double a_alone = a, b_alone = b;
-  double size = std::sqrt(a * a + b * b);
-  if (size <= most) return;
-  if (over_a > 0 && over_b > 0 && over_a != over_b && most > 0) {
-    const double own_a = 1 / over_a, own_b = 1 / over_b;
-    double multiplier = std::min(own_a, own_b) * (size / most - 1);
-    for (int step = 0; step < steps; ++step) {
-      a = own_a / (own_a + multiplier) * a_alone;
-      b = own_b / (own_b + multiplier) * b_alone;
-      size = std::sqrt(a * a + b * b);
-      multiplier += (size - most) / most * (size * size) /
-                    (a * a / (own_a + multiplier) + b * b / (own_b + multiplier));
-    }
-    a = own_a / (own_a + multiplier) * a_alone;
-    b = own_b / (own_b + multiplier) * b_alone;
+/// Brings pushes of two rows, (a, b) where nothing bounds them, into a disk of this radius. What slides is
+/// pushed against its motion, which pushes that are scaled alone are not where the rows' responses differ.
+///
+/// Of all pushes in the disk that is those which leave the least energy, (a, b) over 1 + over·m each. The
+/// multiplier m is that of the last pushes, which are such in the end, after a step of Newton's method.
+template <double ClusterRows::Row::*of>
+void into_disk(const ClusterRows::Row& first, const ClusterRows::Row& second, double& a, double& b,
+               double most) {
+  const double square = a * a + b * b;
+  if (square <= most * most) return;
+  double size = std::sqrt(square);
+  if (first.over != second.over && first.over > 0 && second.over > 0 && most > 0) {
+    const double a_alone = a, b_alone = b, last_a = first.*of, last_b = second.*of, over_most = 1 / most;
+    const double yields = first.over * last_a * last_a + second.over * last_b * last_b;
+    double multiplier = yields > 0 ? ((a - last_a) * last_a + (b - last_b) * last_b) / yields : 0;
+    multiplier = std::max(multiplier, (size * over_most - 1) / std::max(first.over, second.over));
+    const double keeps_a = 1 / (1 + first.over * multiplier), keeps_b = 1 / (1 + second.over * multiplier);
+    a = keeps_a * a_alone;
+    b = keeps_b * b_alone;
+    const double now = a * a + b * b;
+    multiplier += (std::sqrt(now) * over_most - 1) * now /
+                  (a * a * first.over * keeps_a + b * b * second.over * keeps_b);
+    // Only the ratio of both counts, since the circle is where they end.
+    a = a_alone * (1 + second.over * multiplier);
+    b = b_alone * (1 + first.over * multiplier);
     size = std::sqrt(a * a + b * b);
   }
-  a *= most / size;
-  b *= most / size;
+  const double by = most / size;
+  a *= by;
+  b *= by;
 }
 
 }  // namespace
@@ -144,7 +148,7 @@ double ClusterStepper::contact(std::size_t r, double wanted, double kept) {
   }
   const double normal = std::max(0.0, wanted), by0 = normal - n.*of;
   double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
-  into_disk(first, second, s.over, t.over, n.bound * normal);
+  into_disk<of>(s, t, first, second, n.bound * normal);
   const double by1 = first - s.*of, by2 = second - t.*of;
   if constexpr (sweep == Sweep::pushes) {
     n.*of = normal;
@@ -160,7 +164,7 @@ template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
 double ClusterStepper::roll(std::size_t r, double most) {
   Row &s = rows_[r], &t = rows_[r + 1];
   double first = s.*of - s.over * see(s), second = t.*of - t.over * see(t);
-  into_disk(first, second, s.over, t.over, most);
+  into_disk<of>(s, t, first, second, most);
   const double worst = set<of, sweep>(s, first);
   return std::max(worst, set<of, sweep>(t, second));
 }
