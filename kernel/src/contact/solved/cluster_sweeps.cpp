@@ -90,10 +90,11 @@ namespace {
 template <double ClusterRows::Row::*of>
 void into_disk(const ClusterRows::Row& first, const ClusterRows::Row& second, double& a, double& b,
                double most) {
+  constexpr double least = 1e-100;  // kg m or kg m/s, below which squares round to nothing
   const double square = a * a + b * b;
   if (square <= most * most) return;
   double size = std::sqrt(square);
-  if (first.over != second.over && first.over > 0 && second.over > 0 && most > 0) {
+  if (first.over != second.over && first.over > 0 && second.over > 0 && most > least) {
     const double a_alone = a, b_alone = b, last_a = first.*of, last_b = second.*of, over_most = 1 / most;
     const double yields = first.over * last_a * last_a + second.over * last_b * last_b;
     double multiplier = yields > 0 ? ((a - last_a) * last_a + (b - last_b) * last_b) / yields : 0;
