@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/relaxed/bodies/rigid_frame.hpp"
 #include "contact/relaxed/places/middle.hpp"
 #include "plumb/joints.hpp"
 
@@ -41,6 +42,7 @@ class Corner {
   }
   void begin_rigidly() { rigid_.begin_rigidly(crowd_); }
   Vec3 moved() const { return crowd_.moved(middle_->terms()); }
+  RigidFrame frame() const { return *rigid_frame(crowd_, 0, particles_); }
   Vec3 momentum() const {
     Vec3 sum{};
     for (const std::uint32_t particle : particles_)
@@ -83,6 +85,19 @@ class Corner {
   Rigid rigid_;
   std::uint32_t number_ = 0;
 };
+
+// A box of 40 x 20 x 60 cm has m/12 (h² + d²) about x, and so on.
+TEST(RigidFrame, HasTheInertiaOfTheBody) {
+  const RigidFrame frame = Corner({}).frame();
+  const double x = 2.0 / 12 * (0.04 + 0.36), y = 2.0 / 12 * (0.16 + 0.36), z = 2.0 / 12 * (0.16 + 0.04);
+  EXPECT_NEAR(frame.inverse_mass, 0.5, 1e-15);
+  EXPECT_NEAR(frame.determinant, x * y * z, 1e-15);
+  EXPECT_NEAR(norm(frame.adjugate[0] - Vec3{y * z, 0, 0}), 0, 1e-15);
+  EXPECT_NEAR(norm(frame.adjugate[1] - Vec3{0, x * z, 0}), 0, 1e-15);
+  Vec3 sum{};
+  for (std::size_t i = 0; i < 4; ++i) sum += frame.mass[i] * frame.offsets[i];
+  EXPECT_NEAR(norm(sum), 0, 1e-15);
+}
 
 // A visit ends the overlap at once where nothing resists sliding, and moves the body as a whole.
 TEST(RigidContacts, PushTheWholeBody) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
+#include "contact/relaxed/bodies/rigid_frame.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 
@@ -15,36 +17,19 @@ namespace plumb::detail {
 template <class T, class Of, class Push>
 void make_rigid(const Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles,
                 Of&& of, Push&& push) {
-  std::array<double, 4> mass;
-  std::array<Vec3, 4> from, v;
-  std::array<std::uint32_t, 4> at;
-  double all = 0;
-  Vec3 middle{}, momentum{};
+  const std::optional<RigidFrame> frame = rigid_frame(crowd, island, particles);
+  if (!frame) return;
+  std::array<Vec3, 4> v;
+  Vec3 momentum{}, angular{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const double inverse = crowd.inverse_mass(island, particles[i]);
-    if (!(inverse > 0)) return;
-    at[i] = crowd.number_of(island, particles[i]);
-    mass[i] = 1 / inverse;
-    from[i] = crowd.position(at[i]);
-    v[i] = of(at[i]);
-    all += mass[i];
-    middle += mass[i] * from[i];
-    momentum += mass[i] * v[i];
+    v[i] = of(frame->at[i]);
+    momentum += frame->mass[i] * v[i];
   }
-  const Vec3 common = (1 / all) * momentum;
-  Vec3 spin{}, x{}, y{}, z{};  // angular momentum, and columns of the inertia
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 r = from[i] -= (1 / all) * middle;
-    spin += mass[i] * cross(r, v[i] - common);
-    x += mass[i] * (dot(r, r) * Vec3{1, 0, 0} - r.x * r);
-    y += mass[i] * (dot(r, r) * Vec3{0, 1, 0} - r.y * r);
-    z += mass[i] * (dot(r, r) * Vec3{0, 0, 1} - r.z * r);
-  }
-  const Vec3 yz = cross(y, z);
-  const double size = dot(x, yz);
-  if (!(size > 0)) return;
-  spin = (1 / size) * Vec3{dot(yz, spin), dot(cross(z, x), spin), dot(cross(x, y), spin)};
-  for (std::size_t i = 0; i < 4; ++i) push(at[i], common + cross(spin, from[i]) - v[i]);
+  const Vec3 common = frame->inverse_mass * momentum;
+  for (std::size_t i = 0; i < 4; ++i) angular += frame->mass[i] * cross(frame->offsets[i], v[i] - common);
+  const auto& [x, y, z] = frame->adjugate;
+  const Vec3 spin = (1 / frame->determinant) * Vec3{dot(x, angular), dot(y, angular), dot(z, angular)};
+  for (std::size_t i = 0; i < 4; ++i) push(frame->at[i], common + cross(spin, frame->offsets[i]) - v[i]);
 }
 
 /// Does so with velocities. A blow on one of a body's corners moves all of it then, as it does where rods are
@@ -54,6 +39,14 @@ void make_rigid(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uin
   make_rigid(
       crowd, island, particles, [&](std::uint32_t at) { return crowd.velocity(at); },
       [&](std::uint32_t at, Vec3 by) { crowd.push_velocity(at, by); });
+}
+
+/// Does so with displacements.
+template <class T>
+void move_rigidly(Crowd<T>& crowd, std::uint32_t island, const std::array<std::uint32_t, 4>& particles) {
+  make_rigid(
+      crowd, island, particles, [&](std::uint32_t at) { return crowd.moved(at); },
+      [&](std::uint32_t at, Vec3 by) { crowd.push(at, by); });
 }
 
 /// Returns the particles of the body that a shape or a hull of an island turns with, by its number; null if

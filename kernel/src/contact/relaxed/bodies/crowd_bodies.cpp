@@ -96,10 +96,7 @@ void CrowdBodies<T>::right(Crowd<T>& crowd) const {
 template <class T>
 void CrowdBodies<T>::begin_rigidly(Crowd<T>& crowd) const {
   for (const Body& each : bodies_)
-    if (!each.is_held)
-      make_rigid(
-          crowd, each.island, each.particles, [&](std::uint32_t at) { return crowd.moved(at); },
-          [&](std::uint32_t at, Vec3 by) { crowd.push(at, by); });
+    if (!each.is_held) move_rigidly(crowd, each.island, each.particles);
 }
 
 template class CrowdBodies<float>;

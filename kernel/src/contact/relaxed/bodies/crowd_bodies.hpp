@@ -21,7 +21,8 @@ class CrowdBodies {
   void right(Crowd<T>& crowd) const;
   /// Gives displacements of bodies the rigid motion with their momentum and angular momentum. Rods would come
   /// to that, but for the second order, and what rests starts from rest. What joints and other rods pull with
-  /// is not known as a substep begins: bodies that they hold start as their particles do.
+  /// is not known as a substep begins: bodies that they hold start as their particles do, unless they are
+  /// touched.
   void begin_rigidly(Crowd<T>& crowd) const;
 
  private:

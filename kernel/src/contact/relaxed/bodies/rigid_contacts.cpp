@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/levers/lever.hpp"
 #include "contact/relaxed/blows/rigid_velocities.hpp"
 
 namespace plumb::detail {
@@ -16,33 +17,11 @@ std::uint32_t RigidContacts<T>::body_of(const Crowd<T>& crowd, const Side& side)
     if (const Body& last = bodies_[bodies_.size() - back];
         last.island == side.island && last.particles == side.body)
       return static_cast<std::uint32_t>(bodies_.size() - back);
-  Body out{};
-  out.particles = side.body;
-  out.island = side.island;
-  std::array<double, 4> mass;
-  double all = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double inverse = crowd.inverse_mass(side.island, (*side.body)[i]);
-    if (!(inverse > 0)) return none;
-    out.at[i] = crowd.number_of(side.island, (*side.body)[i]);
-    out.offsets[i] = crowd.position(out.at[i]);
-    mass[i] = 1 / inverse;
-    all += mass[i];
-    out.middle += mass[i] * out.offsets[i];
-  }
-  out.inverse_mass = 1 / all;
-  out.middle = out.inverse_mass * out.middle;
-  Vec3 x{}, y{}, z{};  // columns of the inertia
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 r = out.offsets[i] -= out.middle;
-    x += mass[i] * (dot(r, r) * Vec3{1, 0, 0} - r.x * r);
-    y += mass[i] * (dot(r, r) * Vec3{0, 1, 0} - r.y * r);
-    z += mass[i] * (dot(r, r) * Vec3{0, 0, 1} - r.z * r);
-  }
-  const double size = dot(x, cross(y, z));
-  if (!(size > 0)) return none;
-  out.inverse_inertia = {(1 / size) * cross(y, z), (1 / size) * cross(z, x), (1 / size) * cross(x, y)};
-  bodies_.push_back(out);
+  const std::optional<RigidFrame> frame = rigid_frame(crowd, side.island, *side.body);
+  if (!frame) return none;
+  const double over = 1 / frame->determinant;
+  const auto& [x, y, z] = frame->adjugate;
+  bodies_.push_back({side.body, side.island, *frame, {over * x, over * y, over * z}});
   return static_cast<std::uint32_t>(bodies_.size() - 1);
 }
 
@@ -53,7 +32,8 @@ Vec3 RigidContacts<T>::answer_of(const Contact& contact, const std::array<Side, 
   for (std::size_t i = 0; i < 2; ++i) {
     if (contact.body[i] != none) {
       const Body& body = bodies_[contact.body[i]];
-      out += body.inverse_mass * push + cross(body.turned_by(cross(contact.arm[i], push)), contact.arm[i]);
+      out +=
+          body.frame.inverse_mass * push + cross(body.turned_by(cross(contact.arm[i], push)), contact.arm[i]);
       continue;
     }
     for (const Term& term : sides[i].terms) out += term.weight * term.move * push;
@@ -68,12 +48,12 @@ std::uint32_t RigidContacts<T>::add(const Crowd<T>& crowd, const std::array<Side
     contact.body[i] = body_of(crowd, sides[i]);
     if (contact.body[i] == none) continue;
     const double sign = i == 0 ? 1 : -1;
-    contact.arm[i] = sign * crowd.position(sides[i].terms) - bodies_[contact.body[i]].middle;
+    contact.arm[i] = sign * crowd.position(sides[i].terms) - bodies_[contact.body[i]].frame.middle;
   }
   if (contact.body[0] == none && contact.body[1] == none) return none;
-  const Vec3 beside = cross(normal, std::abs(normal.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
-  contact.along = (1 / norm(beside)) * beside;
-  contact.beside = cross(normal, contact.along);
+  const auto [along, beside] = across(normal);
+  contact.along = along;
+  contact.beside = beside;
   contact.answer = answer_of(contact, sides, normal);
   contact.over = 1 / dot(normal, contact.answer);
   const Vec3 one = answer_of(contact, sides, contact.along), two = answer_of(contact, sides, contact.beside);
@@ -90,10 +70,7 @@ std::uint32_t RigidContacts<T>::add(const Crowd<T>& crowd, const std::array<Side
 
 template <class T>
 void RigidContacts<T>::begin_rigidly(Crowd<T>& crowd) const {
-  for (const Body& each : bodies_)
-    make_rigid(
-        crowd, each.island, *each.particles, [&](std::uint32_t at) { return crowd.moved(at); },
-        [&](std::uint32_t at, Vec3 by) { crowd.push(at, by); });
+  for (const Body& each : bodies_) move_rigidly(crowd, each.island, *each.particles);
 }
 
 template <class T>
@@ -126,7 +103,7 @@ void RigidContacts<T>::visit(Crowd<T>& crowd, const Visited& of, double& push, V
     const Body& body = bodies_[contact.body[i]];
     const Vec3 own = i == 0 ? change : -1.0 * change, turned = body.turned_by(cross(contact.arm[i], own));
     for (std::size_t k = 0; k < 4; ++k)
-      crowd.push(body.at[k], body.inverse_mass * own + cross(turned, body.offsets[k]));
+      crowd.push(body.frame.at[k], body.frame.inverse_mass * own + cross(turned, body.frame.offsets[k]));
   }
 }
 

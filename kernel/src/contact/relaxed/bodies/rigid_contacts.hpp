@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "contact/relaxed/bodies/rigid_frame.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "plumb/layouts/memory.hpp"
 
@@ -48,15 +49,11 @@ class RigidContacts {
   void visit(Crowd<T>& crowd, const Visited& contact, double& push, Vec3& across) const;
 
  private:
-  /// This is a body where it is, with the inverse of its inertia by columns, 1/(kg m²).
   struct Body {
     const std::array<std::uint32_t, 4>* particles;
     std::uint32_t island;
-    std::array<std::uint32_t, 4> at;
-    std::array<Vec3, 4> offsets;  ///< m, from its middle
-    Vec3 middle;                  ///< m, from the crowd's origin
-    double inverse_mass;
-    std::array<Vec3, 3> inverse_inertia;
+    RigidFrame frame;
+    std::array<Vec3, 3> inverse_inertia;  ///< 1/(kg m²), by columns
 
     Vec3 turned_by(Vec3 torque) const {
       return torque.x * inverse_inertia[0] + torque.y * inverse_inertia[1] + torque.z * inverse_inertia[2];
