@@ -110,6 +110,7 @@ class View:
         return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
 
     def pause(self, paused=True):
+        self.until("window.plumb.frame.frame >= 0", "worlds have begun")
         if self.js("return window.plumb.frame.playing") == paused:
             self.click("play")
         self.until(f"window.plumb.frame.playing === {'false' if paused else 'true'}", "it plays or stands")

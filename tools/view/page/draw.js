@@ -2,10 +2,10 @@
 import { diverging, islandColour, mixed, rgb, sideColour } from "./colours.js";
 import { makeInstances, makeProgram, makeTriangles, PointTexture } from "./gl.js";
 import { whatStays } from "./measured/parts.js";
+import { NOWHERE } from "./messages.js";
 import { Model } from "./model.js";
 import * as shaders from "./shaders.js";
 
-const NOWHERE = 4294967295; // where a rod has no place
 const TRAIL = 150; // frames of the path that an end leaves behind
 
 export class Painter {
@@ -127,7 +127,7 @@ export class Painter {
     const base = (particle) => {
       const asleep = from.flags[particle] & 1;
       if (this.colour === "sleep") return asleep ? mixed(rgb("ink"), back, 0.75) : diverging(0.8);
-      if (this.colour === "island" && islands[particle] < 4294967295) {
+      if (this.colour === "island" && islands[particle] !== NOWHERE) {
         const colour = islandColour(islands[particle]);
         return asleep ? mixed(colour, back, 0.6) : colour;
       }

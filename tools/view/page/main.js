@@ -13,7 +13,7 @@ import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
 import { placeWhy, showWhy } from "./measured/why.js";
-import { note, offerTakeover } from "./words/note.js";
+import { note, offerTakeover, unsay } from "./words/note.js";
 
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
@@ -73,7 +73,7 @@ const panel = new Panel(send);
 const page = {
   send,
   sayIfPaused: () => {
-    if (!frame.playing) note(PAUSED);
+    if (frame && !frame.playing) note(PAUSED);
   },
   isFixed: (particle) => (frame?.sides[0].flags[particle] & 2) !== 0,
   choseRod: (rod) => {
@@ -98,7 +98,7 @@ function begin() {
 }
 
 function setScene(scene) {
-  if (byId("note").textContent === LOADING) note("");
+  unsay(LOADING);
   const isSame = painter.model && scene.name === painter.model.scene.name && scene.masses.length === painter.model.particles;
   const model = painter.setScene(scene);
   if (!isSame) camera.frame(model);
@@ -146,7 +146,7 @@ function take(next) {
   frame = next;
   isFresh = true;
   byId("play").textContent = frame.playing ? "Pause" : "Play";
-  if (frame.playing && byId("note").textContent === PAUSED) note("");
+  if (frame.playing) unsay(PAUSED);
   if (!isNew) return;
   const energies = frame.sides.map((side) => side.kinetic + side.potential + side.elastic);
   if (!firstEnergy || firstEnergy.length !== energies.length) {

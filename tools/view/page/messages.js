@@ -1,5 +1,8 @@
 // Messages of the server, and requests to it. ../README.md has the table of their bytes.
 
+/** The number of no island, which is that of what is fixed, and of no place. */
+export const NOWHERE = 4294967295;
+
 const MAGIC = 0x32564c50;
 const HEAD = 36;
 const SIDE_HEAD = 108;

@@ -4,6 +4,18 @@ import { groundCorners, hullTriangles, planeSquare } from "./meshes.js";
 const MOST_BALLS = 30000;
 const SEEN = 0.04; // of the ground at least, so that what is small is seen against something
 
+/** Returns a box without anything in it, and a function that lets it hold a ball. */
+function emptyBox() {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  const add = (p, radius = 0) => {
+    for (let c = 0; c < 3; ++c) {
+      low[c] = Math.min(low[c], p[c] - radius);
+      high[c] = Math.max(high[c], p[c] + radius);
+    }
+  };
+  return { low, high, add };
+}
+
 const median = (list) => (list.length ? list.sort((a, b) => a - b)[list.length >> 1] : 1);
 
 export class Model {
@@ -56,26 +68,16 @@ export class Model {
 
   /** Returns half the size of the ground that ends somewhere. */
   groundRadius() {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < this.solid.length; i += 6)
-      for (let c = 0; c < 3; ++c) {
-        low[c] = Math.min(low[c], this.solid[i + c]);
-        high[c] = Math.max(high[c], this.solid[i + c]);
-      }
+    const { low, high, add } = emptyBox();
+    for (let i = 0; i < this.solid.length; i += 6) add(this.solid.subarray(i, i + 3));
     return this.solid.length ? Math.hypot(...high.map((h, c) => h - low[c])) / 2 : 0;
   }
 
   /** Returns the corners of the smallest box around all that is drawn at first, and how far it goes beyond particles. */
   bounds() {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const add = (p, radius) => {
-      for (let c = 0; c < 3; ++c) {
-        low[c] = Math.min(low[c], p[c] - radius);
-        high[c] = Math.max(high[c], p[c] + radius);
-      }
-    };
+    const { low, high, add } = emptyBox();
     const { places, capsules, hulls } = this.scene;
-    for (let i = 0; i < this.particles; ++i) add(this.position(i), 0);
+    for (let i = 0; i < this.particles; ++i) add(this.position(i));
     const inner = [...low, ...high];
     for (const { a, b, radius } of capsules)
       for (const place of [a, b])

@@ -1,8 +1,7 @@
 // The controls: what they show and what they ask for.
 import { diverging, islandColour, mixed, rgb, sideColour, sideText } from "./colours.js";
-import { requests } from "./messages.js";
+import { NOWHERE, requests } from "./messages.js";
 
-const NOWHERE = 4294967295; // where a rod has no place
 const byId = (id) => document.getElementById(id);
 const decades = (from, to, steps) => {
   const out = [];

@@ -1,6 +1,5 @@
 // Which parts of a scene hang together, so that the view does not go after what was cut off or broke.
-
-const NOWHERE = 4294967295; // no island: fixed
+import { NOWHERE } from "../messages.js";
 
 /** Returns a function that finds the first particle of a part, and one that joins two parts. */
 function union(count) {

@@ -3,10 +3,13 @@
 const RECENT = 180; // frames
 const NEAR = 1, CLOSE = 3, APART = 10; // percent
 const MUCH = 2, FAR_MORE = 5; // times as far
-export const ALIKE = 0.1; // of the larger one
+const ALIKE = 0.1; // of the larger one
 
 const starting = (words) => words[0].toUpperCase() + words.slice(1);
 const rms = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0) / list.length);
+
+/** Returns whether masses from one to another are so alike that weights make no difference. */
+export const areAlike = (least, most) => most <= (1 + ALIKE) * least;
 
 /** Spells how far a world is from the first, in percent. */
 export function percentText(percent) {
@@ -34,7 +37,7 @@ export function verdict(sides, series, { least, most, end }, endMass) {
   if (!Number.isFinite(far)) return "One of them flew apart.";
   const heavier = endMass !== null ? " Make the end heavier." : "";
   const last = endMass ?? end;
-  if (Math.max(most, last) <= (1 + ALIKE) * Math.min(least, last)) return "All masses are alike: weights make no difference." + heavier;
+  if (areAlike(Math.min(least, last), Math.max(most, last))) return "All masses are alike: weights make no difference." + heavier;
   if (far < NEAR) return "Both move as the reference does." + heavier;
   const [byMass, equal] = found.map((i) => sides[i].name);
   if (e > MUCH * m)

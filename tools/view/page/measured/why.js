@@ -1,6 +1,6 @@
 // Draws one correction of the last rod, shared by mass and equally: why weights matter, in a picture.
 import { sideText } from "../colours.js";
-import { ALIKE, compared } from "./verdict.js";
+import { areAlike, compared } from "./verdict.js";
 
 const WIDTH = 380, HEIGHT = 78, ROWS = [19, 58]; // pixels
 const LIGHT = 92, HEAVY = 212; // where discs are
@@ -40,7 +40,7 @@ function row({ y, name, colour, masses, share, says }) {
  */
 export function showWhy(place, sides, masses, endMass) {
   const both = compared(sides), { next } = masses;
-  place.hidden = !both || endMass === null || !next || Math.max(next, endMass) <= (1 + ALIKE) * Math.min(next, endMass);
+  place.hidden = !both || endMass === null || !next || areAlike(Math.min(next, endMass), Math.max(next, endMass));
   if (place.hidden) return;
   const share = endMass / (next + endMass);
   const [light, heavy] = [next, endMass].sort((a, b) => a - b);

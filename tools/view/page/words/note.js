@@ -13,6 +13,11 @@ export function note(text, refused = false, stays = false) {
   if (!stays) timer = setTimeout(() => { place.hidden = true; }, STAYS);
 }
 
+/** Takes a note away that still says this. */
+export function unsay(text) {
+  if (place.textContent === text) note("");
+}
+
 /** Says why another page has the worlds, with a button that takes them over. */
 export function offerTakeover(text, takeOver) {
   // The page tries again by itself meanwhile: a button that is about to be pressed stays.
