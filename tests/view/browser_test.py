@@ -53,10 +53,11 @@ def start_browser(dark, width, height):
 
 
 def wait_until(condition, what, tell):
+    """Returns what the condition gives as soon as it holds."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
-        if condition():
-            return
+        if holds := condition():
+            return holds
         time.sleep(0.05)
     raise AssertionError("in vain waited until " + what + "; " + tell())
 
@@ -99,9 +100,13 @@ class View:
     def click(self, element):
         self.browser.find_element(By.ID, element).click()
 
+    def frame(self, part):
+        """Returns a part of the frame that is shown, as soon as there is one: worlds that begin anew have none."""
+        return wait_until(lambda: self.js(f"return window.plumb?.frame && [window.plumb.frame.{part}]"), "a frame is shown",
+                          lambda: part)[0]
+
     def goes_on(self):
-        frame = self.js("return window.plumb.frame.frame")
-        self.until(f"window.plumb.frame.frame > {frame}", "frames go on")
+        self.until(f"window.plumb.frame.frame !== {self.frame('frame')}", "frames go on")
 
     def note(self):
         return self.js("const n = document.getElementById('note'); return n.hidden ? '' : n.textContent")
@@ -110,8 +115,7 @@ class View:
         return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
 
     def pause(self, paused=True):
-        self.until("window.plumb.frame.frame >= 0", "worlds have begun")
-        if self.js("return window.plumb.frame.playing") == paused:
+        if self.frame("playing") == paused:
             self.click("play")
         self.until(f"window.plumb.frame.playing === {'false' if paused else 'true'}", "it plays or stands")
 
@@ -124,14 +128,14 @@ def check_sliders_of_tab(view):
             view.js("const e = document.getElementById(arguments[0]); e.value = arguments[1];"
                     "e.dispatchEvent(new Event('input'))", name, value)
             view.goes_on()
-        assert view.js("return window.plumb.frame.sides.every(s => s.positions.every(Number.isFinite))"), name
+        assert view.frame("sides.every(s => s.positions.every(Number.isFinite))"), name
     return names
 
 
 def check_sliders(view):
     """Every slider of every world goes to both ends and back, and worlds go on."""
     moved = set()
-    for tab in range(len(view.js("return window.plumb.frame.sides"))):
+    for tab in range(len(view.frame("sides"))):
         view.js("document.querySelectorAll('#tabs [role=tab]')[arguments[0]].click()", tab)
         moved |= set(check_sliders_of_tab(view))
     view.js("document.querySelector('#tabs [role=tab]').click()")
@@ -176,10 +180,10 @@ def check_names(view):
 
 def check_hands(view):
     canvas = view.browser.find_element(By.ID, "view")
-    last = view.js("return window.plumb.frame.sides[0].positions.length / 3 - 1")
+    last = view.frame("sides[0].positions.length / 3 - 1")
     view.pause()  # what swings is hard to hit
     x, y = view.js(PLACE, last)
-    before = view.js("return window.plumb.frame.sides[0].positions[1 + 3 * arguments[0]]", last)
+    before = view.frame(f"sides[0].positions[{1 + 3 * last}]")
     actions = ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold()
     actions.perform()
     view.until(f"window.plumb.painter.held === {last}", "the end is held")
@@ -217,7 +221,7 @@ def check_figure(view):
     ActionChains(view.browser, duration=50).move_by_offset(40, 30).move_by_offset(40, 30).perform()
     view.until("window.plumb.frame.sides[0].awake === 1", "the figure wakes")
     ActionChains(view.browser).release().perform()
-    before = view.js("return window.plumb.frame.sides[0].positions.length")
+    before = view.frame("sides[0].positions.length")
     view.browser.find_element(By.CSS_SELECTOR, "[data-tool=throw]").click()
     ActionChains(view.browser).move_to_element_with_offset(canvas, 20, 20).click().perform()
     view.until(f"window.plumb.frame.sides[0].positions.length === {before + 3}", "a ball flies")
@@ -300,11 +304,11 @@ def check_film(view, folder):
     file = os.path.join(folder, "film.html")
     with open(file, "w", encoding="utf-8") as out:
         out.write(text)
-    shown = view.js("return window.plumb.frame.sides[0].positions.length")
+    shown = view.frame("sides[0].positions.length")
     view.browser.get("file://" + os.path.abspath(file))
     view.until("window.plumb?.frame", "the recording is shown")
     view.goes_on()
-    assert view.js("return window.plumb.frame.sides[0].positions.length") == shown
+    assert view.frame("sides[0].positions.length") == shown
     take_picture(view.browser, os.path.join(folder, "film.png"))
 
 
@@ -343,15 +347,15 @@ def check_sleep(view):
     view.js("window.notes = []; const n = document.getElementById('note');"
             "new MutationObserver(() => window.notes.push(n.textContent)).observe(n, { childList: true })")
     # A page that is busy reads nothing, as one whose tab sleeps.
-    before = view.js("const frame = window.plumb.frame.frame, end = performance.now() + 2500;"
+    before = view.js("const frame = window.plumb.frame.frame, end = performance.now() + 4000;"
                      "while (performance.now() < end); return frame")
     view.until("window.notes.some(text => text.includes('slept through'))", "the page says how long it slept")
     missed = int(view.js("return window.notes.find(text => text.includes('slept through')).match(/\\d+/)[0]"))
-    after = view.js("return window.plumb.frame.frame")
+    after = view.frame("frame")
     assert after - before > missed > 60, (before, missed, after)
     view.goes_on()
     # Chromium closes the connection of a page that it freezes.
-    before = view.js("return window.plumb.frame.frame")
+    before = view.frame("frame")
     for state, seconds in [("frozen", 1.5), ("active", 0)]:
         view.browser.execute_cdp_cmd("Page.setWebLifecycleState", {"state": state})
         time.sleep(seconds)
@@ -374,8 +378,8 @@ def check_pace(view):
     assert not view.js("return " + says), "nothing is said of what is fast"
     for name, value in [("substeps", 16), ("sweeps", 300)]:
         view.js(ask, name, value)
-    view.until(says + ".includes('× real time: a step takes')", "slowness is told")
-    share, took = re.match(r"(\S+) × real time: a step takes (\S+) ms", view.js("return " + says)).groups()
+    share, took = wait_until(lambda: re.match(r"(\S+) × real time: a step takes (\S+) ms", view.js("return " + says)),
+                             "slowness is told", view.note).groups()
     assert float(share) < 0.9 and float(took) > 15, (share, took)
     assert view.js("return document.getElementById('pace').title"), "with a reason"
     view.js("window.paces = []; const p = document.getElementById('pace');"
@@ -392,23 +396,47 @@ def check_pace(view):
     view.pause()
     for name, value in long:
         view.js(ask, name, value)
+    wait_until(lambda: is_told_of_step(view), "a single step is told while it is computed", view.note)
+
+
+def is_told_of_step(view):
+    """A page that draws a picture in more than a second, since others use the computer, may miss a step: it tells the next."""
+    frame = view.frame("frame")
     view.js("window.paces = []")
     view.click("step")
-    view.until("window.paces.includes('Computing …') && window.paces.at(-1) === ''", "a single step is told while it is computed")
+    view.until(f"window.plumb.frame.frame > {frame} && window.paces.at(-1) !== 'Computing …'", "a step is done")
+    return view.js("return window.paces.includes('Computing …') && window.paces.at(-1) === ''")
 
 
 def check_slow_frames(view):
     """A page that runs and misses frames did not sleep, and says nothing of that."""
     view.js("window.notes = []; const n = document.getElementById('note');"
-            "new MutationObserver(() => window.notes.push(n.textContent)).observe(n, { childList: true });"
-            "window.isDeaf = true")
-    before = view.js("return window.plumb.frame.frame")
+            "new MutationObserver(() => window.notes.push(n.textContent)).observe(n, { childList: true });" + STANDS)
+    wait_until(lambda: miss_frames(view), "the page misses frames and does not stand still", view.note)
+    assert not view.js("return window.notes.some(text => text.includes('slept'))"), view.js("return window.notes")
+
+
+def miss_frames(view):
+    """Returns whether the page ran all the while: where others use the computer, it may stand still for a second indeed."""
+    view.until("performance.now() > window.stood + 6000", "the page has run for a while")
+    view.js("window.notes = []; window.isDeaf = true")
+    stood, before = view.js("return window.stood"), view.frame("frame")
     time.sleep(2.5)
     view.js("window.isDeaf = false")
     view.until(f"window.plumb.frame.frame > {before + 61}", "frames were missed")
     view.goes_on()
-    assert not view.js("return window.notes.some(text => text.includes('slept'))"), view.js("return window.notes")
+    return view.js("return window.stood") == stood
 
+
+# When the page last stood still for most of a second.
+STANDS = """window.stood = 0;
+let last = performance.now();
+const watch = (now) => {
+  if (now - last > 700) window.stood = now;
+  last = now;
+  requestAnimationFrame(watch);
+};
+requestAnimationFrame(watch);"""
 
 # A page that is deaf says that it took frames and drops them.
 DEAF = """const Plain = WebSocket;
@@ -421,7 +449,7 @@ window.WebSocket = class extends Plain {
 
 def check_time(view):
     view.pause()
-    frame = view.js("return window.plumb.frame.frame")
+    frame = view.frame("frame")
     view.click("step")
     view.until(f"window.plumb.frame.frame === {frame + 1}", "one frame is stepped")
     view.pause(False)
@@ -438,7 +466,7 @@ def check_replay(view, plumb, folder):
     file = os.path.join(folder, "replay.json")
     with open(file, "w", encoding="utf-8") as out:
         out.write(view.js("return window.saved"))
-    shown = view.js("return window.plumb.frame.sides.map(s => window.plumb.hashText(s.hash))")
+    shown = view.frame("sides.map(s => window.plumb.hashText(s.hash))")
     run = subprocess.run([plumb, "run", "--replay", file], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert re.findall(r"^state +(0x[0-9a-f]{16})", run.stdout, re.M) == shown, (run.stdout, shown)
@@ -461,7 +489,7 @@ def check_page(plumb, folder):
     browser = start_browser(False, 1280, 720)
     try:
         with View(plumb, browser, "--compare", "mass against equal") as view:
-            assert len(view.js("return window.plumb.frame.sides")) == 3
+            assert len(view.frame("sides")) == 3
             check_end_mass(view)
             check_names(view)
             check_hands(view)
@@ -471,7 +499,7 @@ def check_page(plumb, folder):
             check_time(view)
             check_colours(view)
             check_plots(view)
-            assert view.js("return window.plumb.frame.sides[2].distance") > 0, "worlds differ"
+            assert view.frame("sides[2].distance") > 0, "worlds differ"
             file = check_replay(view, plumb, folder)
             check_cut_view(view)
             check_film(view, folder)
@@ -481,7 +509,7 @@ def check_page(plumb, folder):
             view.until("document.getElementById('note').textContent.includes('same bits')", "bits are the same")
             assert not view.severe(), view.severe()
         with View(plumb, browser, "rope", "--compare", "relax against direct") as view:
-            assert len(view.js("return window.plumb.frame.sides")) == 2
+            assert len(view.frame("sides")) == 2
             view.goes_on()
             view.pause()
             view.click("reset")
