@@ -13,6 +13,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"
+#include "time/leftovers.hpp"
 
 namespace plumb::detail {
 
@@ -167,11 +168,14 @@ class Solver : public InMemory {
   /// Sets position (m) and velocity (m/s) of a movable particle. All particles of an island get theirs at
   /// once.
   virtual void set_motion(Slot, Vec3 position, Vec3 velocity) = 0;
-  /// Returns the length (s) of the last substep of a particle, or 0 if its velocity is that of now.
-  virtual double last_substep(Slot) const { return 0; }
-  /// Says that the motion which was set is that after a substep of `h` (s). A velocity of gradient new is the
-  /// mean of the last one. It is called once all motion is set.
-  virtual void go_on(Slot, double /*h*/) {}
+  /// Says what substeps left behind beside the motion of a particle.
+  struct Past {
+    double substep = 0;     ///< s, the last; 0 if the velocity is that of now, and not its mean
+    Leftovers leftovers{};  ///< of sweeps
+  };
+  virtual Past past(Slot) const { return {}; }
+  /// Says that the motion which was set has such a past. It is called once all motion is set.
+  virtual void go_on(Slot, const Past&) {}
   /// Lets motion that was set fit rods as at a start, without a blow, if the solver does so. `is_off` says
   /// whether some rod is off its length.
   virtual void fit(bool /*is_off*/) {}

@@ -46,6 +46,11 @@ class Block {
   /// Makes the rods of positions [q0, q1) as long as they are `t` (s) after the step's start.
   void follow_lengths(std::uint32_t q0, std::uint32_t q1, double t);
 
+  /// Lets rigid rods of a range keep this share of C = |d|² - L² as a substep starts. Ranges are no longer
+  /// uniform then, until lengths are restored. Returns the largest |C|/L² that is kept.
+  T keep_violations(simd::Range range, T share);
+  void restore_lengths(simd::Range range, const Constants& constants);
+
   /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.
   /// set_weights() is due then.
   void add_grabbed(std::uint32_t slot, double inverse_mass);

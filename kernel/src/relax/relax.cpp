@@ -18,6 +18,13 @@ using layouts::Coupling;
 /// unresolved part of a step into velocity along the rods, and the damped p + kick is the better estimate.
 constexpr double mid_guard_violation = 0.05;
 
+/// |C|/L^2 is |(1 + strain)^2 - 1|. The compressed side is the stricter one.
+template <class T>
+T largest_violation(const StopRule& stop) {
+  if (!stop.tolerance) return std::numeric_limits<T>::infinity();
+  return static_cast<T>(*stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)));
+}
+
 /// This team of one works on independent positions.
 struct Alone {
   static constexpr unsigned parts() { return 1; }
@@ -34,7 +41,8 @@ struct Moved {
   T* last;  ///< It is the displacement of the last substep, in m.
   T* own;   ///< It is the displacement of this one, in m.
   std::uint32_t q0, q1;
-  bool is_first;  ///< It is the first of several substeps.
+  bool is_first;        ///< It is the first of several substeps.
+  Leftovers leftovers;  ///< as it finds them
 };
 
 /// Runs the stages of one substep.
@@ -53,6 +61,8 @@ class Substep {
         p_(moved.own),
         view_(block_.law_view(p_, moved.is_first ? settings.first_terms : settings.terms)),
         pull_(moved.is_first ? settings.first_pull : settings.pull),
+        keeps_(static_cast<T>(1 - moved.leftovers.share(settings.h))),
+        bound_(largest_violation<T>(settings.stop)),
         q0_(moved.q0),
         q1_(moved.q1) {}
 
@@ -97,13 +107,18 @@ class Substep {
     if (packing_.positions > 1 || crew_.parts() == 1) {
       const Cut q = positions_of(part);
       for (std::uint32_t position = q.begin; position < q.end; ++position)
-        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) f(block_.range(position, stage));
+        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) f(range_of(position, stage));
       return;
     }
     for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) f(stage_part(stage, part));
   }
+  simd::Range range_of(std::uint32_t position, std::size_t stage) const {
+    simd::Range range = block_.range(position, stage);
+    range.uniform = range.uniform && keeps_ == 0;
+    return range;
+  }
   simd::Range stage_part(std::size_t stage, unsigned part) const {
-    simd::Range range = block_.range(q0_, stage);
+    simd::Range range = range_of(q0_, stage);
     const Cut cut = share_of(part, range.end - range.begin, 1);
     return {range.begin + cut.begin, range.begin + cut.end, range.uniform};
   }
@@ -112,15 +127,18 @@ class Substep {
 
   void predict_and_prepare() {
     settings_.grabs.begin(block_, settings_.gradient, u_, q0_, q1_);
+    std::array<T, Team::max_size> kept{};
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
         kernels_.particles.predict(p_ + first, u_ + first, block_.kick() + first, settings_.decay, n);
       });
       for_rods(part, [&](simd::Range range) {
         block_.gives() ? access_.laws.prepare(view_, range) : access_.prepare(view_, range);
+        if (keeps_ > 0) kept[part] = std::max(kept[part], block_.keep_violations(range, keeps_));
         if (pull_ != 0) block_.begin_moves(range);
       });
     });
+    bound_ -= *std::max_element(kept.begin(), kept.begin() + crew_.parts());
   }
 
   void solve() {
@@ -130,13 +148,11 @@ class Substep {
       stopped(StoppedBy::sweeps, stop.sweeps);
       return;
     }
-    // |C|/L^2 is |(1 + strain)^2 - 1|. The compressed side is the stricter one.
-    const double bound = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                              std::chrono::duration<double, std::micro>(settings_.budget_us));
     std::uint32_t done = 0;
     while (true) {
-      if (stop.tolerance && violation() <= bound) {
+      if (stop.tolerance && violation() <= bound_) {
         if (done == 0) ++report_.skipped_within_tolerance;
         return stopped(StoppedBy::tolerance, done);
       }
@@ -174,6 +190,10 @@ class Substep {
     if (pull_ != 0)
       crew_.for_parts([&](unsigned part) {
         for_rods(part, [&](simd::Range range) { block_.count_moves(range, pull_); });
+      });
+    if (keeps_ > 0)
+      crew_.for_parts([&](unsigned part) {
+        for_rods(part, [&](simd::Range range) { block_.restore_lengths(range, *settings_.constants); });
       });
     settings_.grabs.see(block_, p_, q0_, q1_);
     crew_.for_parts([&](unsigned part) {
@@ -215,7 +235,7 @@ class Substep {
       Queue queue(*this);
       for (std::uint32_t i = 0; i < n; ++i)
         for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage)
-          for (std::uint32_t q = q0_; q < q1_; ++q) queue.add(block_.range(q, stage));
+          for (std::uint32_t q = q0_; q < q1_; ++q) queue.add(range_of(q, stage));
     } else {
       for (std::uint32_t i = 0; i < n; ++i)
         for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) run_stage(stage);
@@ -256,7 +276,7 @@ class Substep {
       if (packing_.positions == 1 && crew_.parts() > 1) return queue.add(stage_part(stage, part));
       const Cut q = positions_of(part);
       for (std::uint32_t position = q.begin; position < q.end; ++position)
-        queue.add(block_.range(position, stage));
+        queue.add(range_of(position, stage));
     });
   }
 
@@ -274,7 +294,7 @@ class Substep {
     Queue queue(*this);
     const auto add = [&](std::int64_t q, std::size_t begin, std::size_t end) {
       for (std::size_t stage = begin; stage < end; ++stage)
-        queue.add(block_.range(static_cast<std::uint32_t>(q), stage));
+        queue.add(range_of(static_cast<std::uint32_t>(q), stage));
     };
     run_wavefront(
         sweeps, bounds, [&](std::int64_t q) { add(q, 0, packing_.within_stages); },
@@ -334,6 +354,8 @@ class Substep {
   T* p_;  ///< It is the displacement of this one, in m.
   simd::LawView<T> view_;
   double pull_;  ///< It makes impulses of moves, in 1/s; it is 0 if pulls do not count.
+  T keeps_;      ///< It leaves such a share of what rods are off their lengths.
+  T bound_;      ///< Sweeps end at such a |C|/L² beside what is kept.
   std::uint32_t q0_, q1_;
 };
 
@@ -343,11 +365,14 @@ template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
                  StepReport& report) {
   Alone alone;
+  Leftovers leftovers = settings.leftovers;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
     block.follow_lengths(q0, q1, settings.start + (substep + 1) * settings.h);
-    const Moved<T> moved{block, block.displacement(odd), block.displacement(1 - odd), q0, q1, substep == 0};
+    const Moved<T> moved{block,    block.displacement(odd), block.displacement(1 - odd), q0, q1, substep == 0,
+                         leftovers};
     Substep<T, Alone>(moved, settings, report, alone).run();
+    leftovers.pass(settings.h);
   }
 }
 
@@ -355,8 +380,9 @@ template <class T>
 void relax_block(Block<T>& block, const RelaxSettings<T>& settings, std::uint32_t substep, StepReport& report,
                  Team& team) {
   block.follow_lengths(0, block.packing().positions, (substep + 1) * settings.h);
-  const Moved<T> moved{block, block.displacement(0),     block.displacement(1),
-                       0,     block.packing().positions, substep == 0};
+  const Moved<T> moved{
+      block,        block.displacement(0), block.displacement(1), 0, block.packing().positions,
+      substep == 0, settings.leftovers};
   Substep<T, Team>(moved, settings, report, team).run();
   block.count_substeps(1);
 }

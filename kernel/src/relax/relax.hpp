@@ -8,6 +8,7 @@
 #include "relax/grabs/block_grabs.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "threads/team.hpp"
+#include "time/leftovers.hpp"
 
 namespace plumb::detail {
 
@@ -26,9 +27,11 @@ struct RelaxSettings {
   simd::LawTerms<T> first_terms{}, terms{};
   /// Make impulses of what sweeps moved rods by, in 1/s, see Block::count_moves(); 0 if nobody asks.
   double first_pull = 0, pull = 0;
-  double h = 0;        ///< substep, in s
-  double start = 0;    ///< when relax_alone() begins, in s after the step did
-  BlockGrabs grabs{};  ///< of particles that something grabs
+  double h = 0;                          ///< substep, in s
+  double start = 0;                      ///< when relax_alone() begins, in s after the step did
+  Leftovers leftovers{};                 ///< as the first substep finds them
+  const Constants* constants = nullptr;  ///< of the rods; needed where leftovers are kept
+  BlockGrabs grabs{};                    ///< of particles that something grabs
 };
 
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread. The positions must not

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "plumb/measures.hpp"
 #include "relax/describe.hpp"
@@ -137,6 +138,8 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) {
           pull_of_moves(h_),
           h_,
           0,
+          leftovers_,
+          &rules_->constants,
           {grabs_, rules_->verlet.kick({1, 0, 0}, h_).x, h_, rules_->verlet.decay(h_)}};
 }
 
@@ -172,6 +175,7 @@ double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t coun
   relax_alone(block_, begin, end, settings, report);
   if (is_controlled()) {
     block_.count_substeps(count);
+    leftovers_.pass(h, count);
     has_moved_ = true;
   }
   return 0;
@@ -185,14 +189,18 @@ bool RelaxSolver<T>::wants_team() const {
 
 template <class T>
 void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, StepReport& report) {
-  const RelaxSettings<T> settings = settings_for(block_.rods(), 1);
-  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, i, report, team);
+  RelaxSettings<T> settings = settings_for(block_.rods(), 1);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    relax_block(block_, settings, i, report, team);
+    settings.leftovers.pass(h_);
+  }
 }
 
 template <class T>
 void RelaxSolver<T>::end_step(StepReport&) {
   if (is_controlled()) return;  // advance() has done that, unless another solver has moved all
   if (!wants_team()) block_.count_substeps(rules_->settings.substeps);
+  leftovers_.pass(h_, rules_->settings.substeps);
   has_moved_ = true;
 }
 
@@ -232,10 +240,8 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   std::copy_n(half_kick.data(), half_kick.size(), to.half_kick.data());
   to.pulls = block_.pulls();
   block_.save_rods(to.rods);
-  to.h = h_;
-  to.elapsed = elapsed_;
-  to.grabs = grabs_;
-  to.has_moved = has_moved_;
+  std::tie(to.h, to.elapsed, to.leftovers, to.grabs, to.has_moved) =
+      std::tie(h_, elapsed_, leftovers_, grabs_, has_moved_);
 }
 
 template <class T>
@@ -249,10 +255,8 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   block_.pulls() = from.pulls;
   block_.restore_rods(from.rods);
   kicks_stale_ = kicks_stale_ || h_ != from.h;
-  h_ = from.h;
-  elapsed_ = from.elapsed;
-  grabs_ = from.grabs;
-  has_moved_ = from.has_moved;
+  std::tie(h_, elapsed_, leftovers_, grabs_, has_moved_) =
+      std::tie(from.h, from.elapsed, from.leftovers, from.grabs, from.has_moved);
 }
 
 template <class T>

@@ -81,7 +81,11 @@ class RelaxSolver final : public Solver {
   void place_anchor(Slot slot, Vec3 target) override { block_.write(block_.x(), slot, target); }
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
   /// Rods that sweeps left off their lengths do not start there.
-  void go_on(Slot, double) override { starts_off_length_ = false; }
+  void go_on(Slot, const Past& past) override {
+    starts_off_length_ = false;
+    leftovers_.square = std::max(leftovers_.square, past.leftovers.square);
+  }
+  Past past(Slot) const override { return {.leftovers = leftovers_}; }
   void remove(Slot slot) override {
     block_.freeze_island(slot);
     --islands_[piece_of(slot)];
@@ -105,11 +109,11 @@ class RelaxSolver final : public Solver {
   /// stands within a step alone, as do paths of anchors.
   void archive(Archive& archive) override {
     auto& [rules, kernels, block, pieces, islands, away, slots_of, rests, size, h, last_h, parts, has_moved,
-           kicks_stale, starts_off_length, lengths_jump, elapsed, forces, grabs, anchors, saved, mark,
-           best_substep] = *this;
+           kicks_stale, starts_off_length, lengths_jump, elapsed, leftovers, forces, grabs, anchors, saved,
+           mark, best_substep] = *this;
     if (block.archive_rods(archive)) weigh();
     archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, lengths_jump,
-            forces, grabs, best_substep);
+            leftovers.square, forces, grabs, best_substep);
     if (archive.restores() && h > 0) weigh_grabs(h);
     if (has_moved) return;
     for (const std::uint32_t particle : block.packing().slot_vertex)
@@ -133,6 +137,7 @@ class RelaxSolver final : public Solver {
     Array<double> pulls;
     typename Block<T>::SavedRods rods;
     double h = 0, elapsed = 0;
+    Leftovers leftovers{};
     bool has_moved = false;
     Array<BlockGrab> grabs{};
   };
@@ -178,6 +183,7 @@ class RelaxSolver final : public Solver {
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
   bool lengths_jump_ = false;  ///< some rate has changed since the last step began
   double elapsed_ = 0;         ///< s, of this step, if an accuracy is set
+  Leftovers leftovers_;        ///< of sweeps before the next substep
   Array<Vec3> forces_;         ///< They are in N, per slot; it is empty until one is set.
   Array<BlockGrab> grabs_;
   Array<MovingAnchor> anchors_;

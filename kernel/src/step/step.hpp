@@ -312,7 +312,7 @@ class Step : public InMemory {
   bool meets_as_no_winch(std::uint32_t cord, const Array<std::uint32_t>& ends) const;
   bool is_of_body(std::uint32_t rod) const;
   void require_simple_meeting(const std::string& what, const Edits& edits) const;
-  void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
+  void hand_over(const Fallen& fallen, const Split& now, std::span<const Solver::Past> pasts);
   void fit_freed(const Fallen& fallen, const Split& now);
   /// Calls f(solver) for all solvers that move something.
   template <class F>

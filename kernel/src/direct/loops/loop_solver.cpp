@@ -242,10 +242,10 @@ void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   if (work_.lines) work_.lines->forget();
 }
 
-void LoopSolver::go_on(Slot slot, double h) {
-  if (rules_->gradient != Gradient::new_ || h == 0) return;
-  for (std::size_t c = 0; c < 3; ++c) state_.u[3 * std::size_t{slot} + c] *= h;
-  state_.u_step = h;
+void LoopSolver::go_on(Slot slot, const Past& past) {
+  if (rules_->gradient != Gradient::new_ || past.substep == 0) return;
+  for (std::size_t c = 0; c < 3; ++c) state_.u[3 * std::size_t{slot} + c] *= past.substep;
+  state_.u_step = past.substep;
 }
 
 // --- Anchors

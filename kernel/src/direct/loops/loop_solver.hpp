@@ -89,8 +89,8 @@ class LoopSolver final : public Solver {
   void end_anchors() override;
   void place_anchor(Slot slot, Vec3 target) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
-  double last_substep(Slot) const override { return state_.u_step; }
-  void go_on(Slot slot, double h) override;
+  Past past(Slot) const override { return {state_.u_step}; }
+  void go_on(Slot slot, const Past& past) override;
   void fit(bool is_off) override {
     if (is_off) {
       lock({});  // what was straight where rods were their length is not where they are off it

@@ -95,11 +95,11 @@ class TreeSolver final : public Solver {
   void set_force(Slot slot, Vec3 newton) override;
   void set_gravity(Vec3 gravity, Vec3 change) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
-  double last_substep(Slot slot) const override { return state_.u_step[place_of(slot).lane]; }
-  void go_on(Slot slot, double h) override {
+  Past past(Slot slot) const override { return {state_.u_step[place_of(slot).lane]}; }
+  void go_on(Slot slot, const Past& past) override {
     const Entry at = place_of(slot);
-    if (kind_->rules.gradient != Gradient::new_ || !(h > 0)) return;
-    state_.displace(at.node, at.lane, h);
+    if (kind_->rules.gradient != Gradient::new_ || !(past.substep > 0)) return;
+    state_.displace(at.node, at.lane, past.substep);
     velocities_known_ = false;  // A restored world finds them by displacements.
   }
   void fit(bool is_off) override;

@@ -52,6 +52,39 @@ void Block<T>::write_length(std::size_t lane, double length) {
   if (gives_) law_[vector * simd::law_fields::rod * lanes + column] = static_cast<T>(length);
 }
 
+/// Sweeps of rigid rods divide by squared lengths, which are those that a substep leaves. A slack cable is
+/// not off its length, and a rod that gives is as its law says.
+template <class T>
+T Block<T>::keep_violations(simd::Range range, T share) {
+  const std::size_t lanes = packing_.lanes;
+  T largest = 0;
+  for (std::size_t v = range.begin; v < range.end; ++v) {
+    T* const violations = rod_.data() + (v * simd::rod_fields + 3) * lanes;
+    T* const fields = weight_.data() + v * simd::weight_fields * lanes;
+    T* const excess = gives_ ? law_start_.data() + (v * simd::law_fields::start + 4) * lanes : nullptr;
+    const T* const is_rigid = gives_ ? law_.data() + (v * simd::law_fields::rod + 4) * lanes : nullptr;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      T& violation = violations[lane];
+      if (gives_ && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && violation < 0))) continue;
+      const T kept = share * violation;
+      largest = std::max(largest, std::abs(kept) * fields[3 * lanes + lane]);
+      violation -= kept;
+      fields[lane] += kept;
+      if (gives_) excess[lane] -= share * excess[lane];
+    }
+  }
+  return largest;
+}
+
+template <class T>
+void Block<T>::restore_lengths(simd::Range range, const Constants& constants) {
+  const std::size_t lanes = packing_.lanes;
+  for (std::size_t lane = range.begin * lanes; lane < range.end * lanes; ++lane) {
+    T* const fields = weight_.data() + lane / lanes * simd::weight_fields * lanes + lane % lanes;
+    fields[0] = fields[3 * lanes] == 0 ? T(1) : static_cast<T>(length2_of(lane, constants));
+  }
+}
+
 /// Nobody asks for the lengths of rods that are switched off.
 template <class T>
 void Block<T>::forget_lengths_of_retired() {
@@ -82,6 +115,8 @@ void Block<T>::tell_apart(std::size_t lane) {
   template double Block<T>::rate(std::size_t) const;                            \
   template void Block<T>::follow_lengths(std::uint32_t, std::uint32_t, double); \
   template void Block<T>::write_length(std::size_t, double);                    \
+  template T Block<T>::keep_violations(simd::Range, T);                         \
+  template void Block<T>::restore_lengths(simd::Range, const Constants&);       \
   template double Block<T>::length2_of(std::size_t, const Constants&) const;    \
   template void Block<T>::forget_lengths_of_retired();                          \
   template void Block<T>::tell_apart(std::size_t);

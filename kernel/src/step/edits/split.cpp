@@ -167,18 +167,20 @@ Settings Step::settings_of_now() const {
 
 /// Lets new solvers move islands that fell apart, from where they are.
 void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
-  Array<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
+  Array<Solver::Past> pasts(fallen.particles.size());
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     if (anchors_.is_fixed(fallen.particles[k])) continue;
     const Place& place = compiled_.places.of(fallen.particles[k]).front();
-    substeps[k] = solver(place).last_substep(place.slot);
+    pasts[k] = solver(place).past(place.slot);
   }
   // Those that were freed or joined go into islands whose velocities are of one substep, or else of now.
-  if ((!now.edits.fixed.empty() || !now.edits.joined.empty()) && !substeps.empty()) {
-    const double longest = *std::max_element(substeps.begin(), substeps.end());
-    const bool is_one = std::all_of(substeps.begin(), substeps.end(),
-                                    [&](double each) { return each == longest || each == 0; });
-    substeps.assign(substeps.size(), is_one ? longest : 0);
+  if (!now.edits.fixed.empty() || !now.edits.joined.empty()) {
+    double longest = 0;
+    for (const Solver::Past& each : pasts) longest = std::max(longest, each.substep);
+    const bool is_one = std::all_of(pasts.begin(), pasts.end(), [&](const Solver::Past& each) {
+      return each.substep == longest || each.substep == 0;
+    });
+    for (Solver::Past& each : pasts) each.substep = is_one ? longest : 0;
   }
   const Array<std::uint8_t> slept = were_asleep(fallen.particles);
   const Array<std::uint8_t> linkages_slept = were_asleep(fallen.of_linkages);
@@ -204,7 +206,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
       events_.set_head(fallen.of_linkages[k], true);
   for (std::size_t k = 0; k < fallen.particles.size(); ++k)
     if (slept[k] != 0 && events_.is_head(fallen.particles[k])) events_.set_head(fallen.particles[k], true);
-  hand_over(fallen, now, substeps);
+  hand_over(fallen, now, pasts);
   put_grabs(grabs);
 }
 
@@ -319,7 +321,7 @@ void Step::put_places(const Fallen& fallen, const Compiled& made, std::span<cons
 }
 
 /// Gives new solvers the motion of islands that fell apart, and the forces on them.
-void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps) {
+void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const Solver::Past> pasts) {
   const auto for_movable = [&](auto&& f) {
     for (std::size_t k = 0; k < fallen.particles.size(); ++k)
       if (!fallen.scene.particles[k].fixed)
@@ -336,7 +338,7 @@ void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const dou
     to.set_motion(slot, fallen.scene.particles[k].position, fallen.scene.particles[k].velocity);
   });
   for_movable([&](std::size_t k, Solver& to, Slot slot) {
-    to.go_on(slot, substeps[k]);
+    to.go_on(slot, pasts[k]);
     if (const Vec3 force = loads_.force(fallen.particles[k]); force != Vec3{}) to.set_force(slot, force);
   });
   // They know how fast anchors went, or a steady one would seem to jump.

@@ -185,19 +185,19 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
       if (!anchors_.is_fixed(each) && seen.emplace(each, true).second) add(each);
   keep_lengths(motions, at);
   put_anchors(particles, at);
-  Array<double> substeps;
+  Array<Solver::Past> pasts;
   for (const Motion& motion : motions) {
     put_force(motion.particle, loads_.force(motion.particle));  // which wakes it
     const Place& home = compiled_.places.of(motion.particle).front();
-    substeps.push_back(solver(home).last_substep(home.slot));
+    pasts.push_back(solver(home).past(home.slot));
   }
   for (const auto& [particle, position, velocity] : motions)
     for (const Place& place : compiled_.places.of(particle))
       solver(place).set_motion(place.slot, position, velocity);
   for (std::size_t k = 0; k < motions.size(); ++k)
-    if (substeps[k] > 0)
+    if (pasts[k].substep > 0)
       for (const Place& place : compiled_.places.of(motions[k].particle))
-        solver(place).go_on(place.slot, substeps[k]);
+        solver(place).go_on(place.slot, pasts[k]);
 }
 
 }  // namespace plumb::detail
