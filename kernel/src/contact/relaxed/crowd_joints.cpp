@@ -33,6 +33,13 @@ auto CrowdJoints<T>::add_sums(std::uint32_t island, const Linkage& linkage, cons
 }
 
 template <class T>
+void CrowdJoints<T>::mark_bodies(const Linkage& linkage) {
+  in_body_.assign(linkage.particles(), 0);
+  for (const BodyShape& body : linkage.bodies())
+    for (const std::uint32_t particle : body.particles) in_body_[particle] = 1;
+}
+
+template <class T>
 void CrowdJoints<T>::gather(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) {
   terms_.clear();
   sums_terms_.clear();
@@ -63,16 +70,18 @@ void CrowdJoints<T>::gather(std::span<LinkageState* const> cluster, const Crowd<
       const Linkage::Angle& angle = linkage.angles()[k];
       sources_.push_back({add_sums(i, linkage, crowd, std::array{angle.u, angle.v}), i, k, none});
     }
+    if (linkage.elastics().empty()) continue;
+    has_elastics_ = true;
+    mark_bodies(linkage);
     for (std::uint32_t k = 0; k < linkage.elastics().size(); ++k) {
       const Elastic& elastic = linkage.elastics()[k];
-      has_elastics_ = true;
       if (elastic.kind != Elastic::Kind::distance) {
-        sources_.push_back({add_sums(i, linkage, crowd, elastic.sums), i, none, k});
+        sources_.push_back({add_sums(i, linkage, crowd, elastic.sums), i, none, k, pulls_body(elastic)});
         continue;
       }
       double moves = 0;
       const TermRange terms = add_terms(elastic.sums[0], moves);
-      distances_.push_back({terms, i, k, moves});
+      distances_.push_back({terms, i, k, pulls_body(elastic), moves});
     }
   }
 }
@@ -112,8 +121,11 @@ void CrowdJoints<T>::begin(std::span<LinkageState* const> cluster, const Crowd<T
 template <class T>
 void CrowdJoints<T>::add_rows(const Source& source, LinkageState& state, double h, double recovery_rate) {
   const Linkage& linkage = *state.linkage;
-  Row row{
-      .terms = source.terms, .island = source.island, .control = source.control, .elastic = source.elastic};
+  Row row{.terms = source.terms,
+          .island = source.island,
+          .control = source.control,
+          .elastic = source.elastic,
+          .pulls_body = source.pulls_body};
   const auto add = [&](double off, double stiff, double give, double least, double most) {
     row.moves = 0;
     for (const SumsTerm& term : sums_of(row.terms)) {
@@ -148,8 +160,27 @@ void CrowdJoints<T>::add_rows(const Source& source, LinkageState& state, double 
 }
 
 template <class T>
+bool CrowdJoints<T>::pull_bodies(Crowd<T>& crowd) {
+  // A pull changes by about this share where its ends give way.
+  constexpr double least_stiff = 0.1;
+  bool is_stiff = false;
+  for (std::size_t i = 0; i < distances_.size(); ++i) {
+    Distance& each = distances_[i];
+    if (!each.pulls_body) continue;
+    visit(crowd, each, *laws_[i]);
+    is_stiff = is_stiff || stiffness_of(*laws_[i]) * each.moves > least_stiff;
+  }
+  for (Row& row : rows_) {
+    if (!row.pulls_body) continue;
+    visit(crowd, row);
+    is_stiff = is_stiff || row.stiff * row.moves > least_stiff * row.give;
+  }
+  return is_stiff;
+}
+
+template <class T>
 void CrowdJoints<T>::sweep(Crowd<T>& crowd) {
-  sweep_distances(crowd);
+  for (std::size_t i = 0; i < distances_.size(); ++i) visit(crowd, distances_[i], *laws_[i]);
   for (BallJoint& joint : balls_) {
     const std::span<const Term> terms = terms_of(joint.terms);
     const Vec3 by = -joint.over * (joint.apart + crowd.moved(terms));
@@ -173,59 +204,56 @@ void CrowdJoints<T>::sweep(Crowd<T>& crowd) {
     for (const SumsTerm& term : sums_of(each.terms))
       crowd.push(term.at, push * term.inverse_mass * (term.weight[0] * v + term.weight[1] * u));
   }
-  sweep_rows(crowd);
+  for (Row& row : rows_) visit(crowd, row);
 }
 
 // Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
 // what they pushed before grows without bound, and has any direction.
+// Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
+// what they pushed before grows without bound, and has any direction.
 template <class T>
-void CrowdJoints<T>::sweep_distances(Crowd<T>& crowd) {
-  for (std::size_t i = 0; i < distances_.size(); ++i) {
-    Distance& each = distances_[i];
-    const ElasticLaw& law = *laws_[i];
-    if (!(each.moves > 0) || (law.stiffness == 0 && law.damping == 0 && law.force == 0)) continue;
-    const std::span<const Term> terms = terms_of(each.terms);
-    const Vec3 now = each.apart + crowd.moved(terms);
-    if (std::isinf(law.stiffness)) {
-      const double length = norm(now);
-      if (!(length > 0)) continue;
-      const double wanted = each.pull + (length - law.rest) / each.moves;
-      const double pull = law.one_sided ? std::max(wanted, 0.0) : wanted;
-      crowd.push(terms, (each.pull - pull) / length * now);
-      each.pull = pull;
-      continue;
-    }
-    // Where its ends would be without it.
-    const Vec3 free = now - each.moves * each.push;
-    const double length = norm(free), excess = length - law.rest;
-    const double stiff = h_ * h_ * law.stiffness + h_ * law.damping;
-    double pull =
-        (h_ * h_ * (law.stiffness * excess + law.force) + h_ * law.damping * (length - each.length)) /
-        (1 + stiff * each.moves);
-    if (law.one_sided && (!(excess > 0) || pull < 0)) pull = 0;
-    const Vec3 push = length > 0 ? -pull / length * free : Vec3{};
-    crowd.push(terms, push - each.push);
-    each.push = push;
-    each.pull = pull;
+void CrowdJoints<T>::visit(Crowd<T>& crowd, Distance& distance, const ElasticLaw& law) const {
+  const double moves = distance.moves;
+  if (!(moves > 0) || (law.stiffness == 0 && law.damping == 0 && law.force == 0)) return;
+  const std::span<const Term> terms = terms_of(distance.terms);
+  const Vec3 now = distance.apart + crowd.moved(terms);
+  if (std::isinf(law.stiffness)) {
+    const double length = norm(now);
+    if (!(length > 0)) return;
+    const double wanted = distance.pull + (length - law.rest) / moves;
+    const double pull = law.one_sided ? std::max(wanted, 0.0) : wanted;
+    crowd.push(terms, (distance.pull - pull) / length * now);
+    distance.pull = pull;
+    return;
   }
+  // Where its ends would be without it.
+  const Vec3 free = now - moves * distance.push;
+  const double length = norm(free), excess = length - law.rest;
+  const double stiff = stiffness_of(law);
+  double pull =
+      (h_ * h_ * (law.stiffness * excess + law.force) + h_ * law.damping * (length - distance.length)) /
+      (1 + stiff * moves);
+  if (law.one_sided && (!(excess > 0) || pull < 0)) pull = 0;
+  const Vec3 push = length > 0 ? -pull / length * free : Vec3{};
+  crowd.push(terms, push - distance.push);
+  distance.push = push;
+  distance.pull = pull;
 }
 
 template <class T>
-void CrowdJoints<T>::sweep_rows(Crowd<T>& crowd) {
-  for (Row& row : rows_) {
-    const std::span<const SumsTerm> terms = sums_of(row.terms);
-    const auto along_of = [&](const SumsTerm& term) {
-      return term.weight[0] * row.along[0] + term.weight[1] * row.along[1] + term.weight[2] * row.along[2];
-    };
-    double changed = 0;
-    for (const SumsTerm& term : terms) changed += dot(along_of(term), crowd.moved(term.at));
-    const double left = row.give * row.push + row.off + row.stiff * changed;
-    const double push = std::clamp(row.push - left / (row.give + row.stiff * row.moves), row.least, row.most);
-    const double by = push - row.push;
-    if (by == 0) continue;
-    row.push = push;
-    for (const SumsTerm& term : terms) crowd.push(term.at, by * term.inverse_mass * along_of(term));
-  }
+void CrowdJoints<T>::visit(Crowd<T>& crowd, Row& row) const {
+  const std::span<const SumsTerm> terms = sums_of(row.terms);
+  const auto along_of = [&](const SumsTerm& term) {
+    return term.weight[0] * row.along[0] + term.weight[1] * row.along[1] + term.weight[2] * row.along[2];
+  };
+  double changed = 0;
+  for (const SumsTerm& term : terms) changed += dot(along_of(term), crowd.moved(term.at));
+  const double left = row.give * row.push + row.off + row.stiff * changed;
+  const double push = std::clamp(row.push - left / (row.give + row.stiff * row.moves), row.least, row.most);
+  const double by = push - row.push;
+  if (by == 0) return;
+  row.push = push;
+  for (const SumsTerm& term : terms) crowd.push(term.at, by * term.inverse_mass * along_of(term));
 }
 
 template <class T>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -24,6 +26,12 @@ class CrowdJoints {
   /// Begins a substep of h (s), with all islands where their states are. `recovery_rate` (1/s) is the share
   /// of an angle beyond its limit that is taken back.
   void begin(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h, double recovery_rate);
+  /// Visits elastics that pull bodies. Returns whether some are stiff, so that it matters how bodies give
+  /// way.
+  ///
+  /// These pulls are known as a substep begins, but for what gives way in it. So they move bodies as rigid
+  /// ones before sweeps do: from a corner rods carry a pull on too slowly.
+  bool pull_bodies(Crowd<T>& crowd);
   void sweep(Crowd<T>& crowd);
   /// Takes from velocities once what ball joints and alignments of some islands forbid, and counts its
   /// impulses. Returns the largest change, m/s.
@@ -62,21 +70,24 @@ class CrowdJoints {
   struct Distance {
     TermRange terms;
     std::uint32_t island, number;  ///< of the elastic
-    double moves = 0;              ///< 1/kg
-    Vec3 apart{};                  ///< m, as the substep begins
-    double length = 0;             ///< m, likewise
-    Vec3 push{};                   ///< kg m
-    double pull = 0;               ///< kg m, its size
+    bool pulls_body;
+    double moves = 0;   ///< 1/kg
+    Vec3 apart{};       ///< m, as the substep begins
+    double length = 0;  ///< m, likewise
+    Vec3 push{};        ///< kg m
+    double pull = 0;    ///< kg m, its size
   };
   /// Names what rows are made of: an angle's control, or an elastic that is no distance.
   struct Source {
     TermRange terms;
     std::uint32_t island, control, elastic;
+    bool pulls_body = false;
   };
   /// A row keeps off + its change at 0, or `rest` + `stiff` times that change balances its push.
   struct Row {
     TermRange terms;
     std::uint32_t island, control, elastic;
+    bool pulls_body;
     std::array<Vec3, 3> along{};  ///< by sum
     double moves = 0;
     double off = 0, stiff = 1, give = 0;
@@ -87,8 +98,15 @@ class CrowdJoints {
   TermRange add_sums(std::uint32_t island, const Linkage& linkage, const Crowd<T>& crowd,
                      std::span<const Combination> sums);
   void add_rows(const Source& source, LinkageState& state, double h, double recovery_rate);
-  void sweep_distances(Crowd<T>& crowd);
-  void sweep_rows(Crowd<T>& crowd);
+  void mark_bodies(const Linkage& linkage);
+  bool pulls_body(const Elastic& elastic) const {
+    return std::any_of(elastic.touched.begin(), elastic.touched.end(),
+                       [this](std::uint32_t particle) { return in_body_[particle] != 0; });
+  }
+  /// Returns by how much (kg) a pull of this substep grows with its length.
+  double stiffness_of(const ElasticLaw& law) const { return h_ * h_ * law.stiffness + h_ * law.damping; }
+  void visit(Crowd<T>& crowd, Distance& distance, const ElasticLaw& law) const;
+  void visit(Crowd<T>& crowd, Row& row) const;
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(terms_).subspan(range.first, range.end - range.first);
   }
@@ -105,6 +123,7 @@ class CrowdJoints {
   Array<Source> sources_;
   Array<Row> rows_;                ///< of this substep
   Array<const ElasticLaw*> laws_;  ///< by distance, of this substep
+  Array<std::uint8_t> in_body_;    ///< by particle of the island that is gathered
   bool has_elastics_ = false;
   double h_ = 0;
 };

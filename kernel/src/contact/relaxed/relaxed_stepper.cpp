@@ -344,8 +344,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   std::uint32_t done = 0;
   StoppedBy reason = StoppedBy::sweeps;
   double left = INFINITY;
-  bodies_.begin_rigidly(crowd_);
-  contacts_.begin_rigidly(crowd_);
+  begin_rigidly();
   const bool has_momentum = begin_momentum();
   while (done < most_sweeps_) {
     if (stop.tolerance && left <= *stop.tolerance * settings_.length_scale &&

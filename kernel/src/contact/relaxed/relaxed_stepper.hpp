@@ -73,6 +73,17 @@ class RelaxedStepper final : public ClusterMover {
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
   void begin_rows(std::span<LinkageState* const> cluster, double h);
   void freeze_broken(std::span<LinkageState* const> cluster, Tally& report);
+  /// Lets bodies begin as rigid ones, with what pulls them. As rigid ones they give way to a stiff pull less
+  /// than their points do, which it may then take up again: four rounds find most of it.
+  void begin_rigidly() {
+    constexpr int rounds = 4;
+    bool may_grow = true;
+    for (int i = 0; i < rounds && may_grow; ++i) {
+      may_grow = joints_.pull_bodies(crowd_);
+      bodies_.begin_rigidly(crowd_);
+      contacts_.begin_rigidly(crowd_);
+    }
+  }
   bool begin_momentum();
   void sweep_held(Gradient gradient);
   void solve(Gradient gradient, Tally& report);
