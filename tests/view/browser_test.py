@@ -198,7 +198,10 @@ def check_hands(view):
     view.until("window.plumb.painter.held < 0", "the hand lets go")
 
     view.pause()
-    view.browser.find_element(By.CSS_SELECTOR, "[data-tool=cut]").click()
+    for tool, aim in [("fix", "particle"), ("haul", "rod"), ("cut", "rod")]:
+        view.browser.find_element(By.CSS_SELECTOR, f"[data-tool={tool}]").click()
+        ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, 400, -300).click().perform()
+        assert view.note() == f"No {aim} there: click closer to one.", (tool, view.note())
     (ax, ay), (bx, by) = view.js(PLACE, last - 6), view.js(PLACE, last - 7)
     ActionChains(view.browser).move_to_element_with_offset(canvas, int((ax + bx) / 2), int((ay + by) / 2)).click().perform()
     view.until("window.plumb.frame.sides.every(s => s.gone.length === 1)", "a rod is cut in all worlds")

@@ -1,8 +1,18 @@
 // What mouse, touch and pen do: turn the view, and pull, cut, fix, haul and throw.
 import { vec } from "./camera.js";
 import { requests } from "./messages.js";
+import { note } from "./words/note.js";
 
 const REACH = 28; // pixels within which something is picked
+const STILL = 6; // pixels that a click may move, else it is a drag that turns the view
+
+/** What each tool that picks something aims at. */
+const AIMS = { cut: "rod", haul: "rod", fix: "particle" };
+
+/** Says what a click missed, where there is any to hit. */
+function missed(aim, { rods }) {
+  return aim === "rod" && !rods ? "There are no rods in this scene." : `No ${aim} there: click closer to one.`;
+}
 
 export class Hands {
   constructor(canvas, painter, camera, page) {
@@ -72,10 +82,10 @@ export class Hands {
       return;
     }
     this.drag = { kind: event.button === 2 || event.shiftKey ? "pan" : "orbit" };
-    if (event.button === 0 && !event.shiftKey) this.begin(at);
+    if (event.button === 0 && !event.shiftKey) this.begin(at, event);
   }
 
-  begin(at) {
+  begin(at, event) {
     const particle = this.tool === "pull" || this.tool === "fix" ? this.nearestParticle(at) : null;
     const rod = this.tool === "cut" || this.tool === "haul" ? this.nearestRod(at) : null;
     if (this.tool === "pull" && particle) {
@@ -96,7 +106,7 @@ export class Hands {
     } else if (this.tool === "throw") {
       this.throwBall(at);
       this.drag = null;
-    }
+    } else if (AIMS[this.tool]) this.drag.missed = event;
   }
 
   pull({ port, x, y }) {
@@ -142,6 +152,8 @@ export class Hands {
   }
 
   up(event) {
+    const from = this.drag?.missed, way = from ? Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) : Infinity;
+    if (way < STILL && event.type === "pointerup") note(missed(AIMS[this.tool], this.painter.model));
     this.touches.delete(event.pointerId);
     this.letGo();
   }
