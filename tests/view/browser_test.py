@@ -165,6 +165,36 @@ def check_why(view, end_mass):
     assert 300 <= width <= 400 and height <= 115 and bottom < 300, (width, height, bottom)
 
 
+# Pairs of what a selector finds that cover each other, as texts or names.
+COVERED = """const boxes = [...document.querySelectorAll(arguments[0])].map(e => [e.textContent.trim() || e.id, e.getBoundingClientRect()])
+  .filter(([, box]) => box.width > 0);
+return boxes.flatMap(([a, p], i) => boxes.slice(i + 1).filter(([, q]) =>
+  p.left < q.right - 0.5 && q.left < p.right - 0.5 && p.top < q.bottom - 0.5 && q.top < p.bottom - 0.5).map(([b]) => a + " | " + b));"""
+
+
+def check_labels(view):
+    """Words of the picture, and names of worlds side by side, cover nothing; in a plot that is high its line keeps its name."""
+    for pair in [[1.16, 0.905], [1.16, 1000], [0.123, 0.0456]]:
+        view.js("""return import("./measured/why.js").then(({ showWhy }) => showWhy(document.getElementById("why"),
+                   ["direct", "mass", "equal"].map((weights) => ({ settings: { method: "relax", weights } })),
+                   { next: arguments[0] }, arguments[1]))""", *pair)
+        assert not (covered := view.js(COVERED, "#why text")), (pair, covered)
+    view.click("overlay")
+    view.until("document.querySelectorAll('#titles span').length === 3", "worlds are named")
+    assert not (covered := view.js(COVERED, "#titles span, #tools, #transport, header")), covered
+    view.click("overlay")
+    line = view.js("""return import("./measured/plots.js").then(({ makePlots }) => {
+        const { time } = makePlots((id) => document.getElementById(id)), pen = CanvasRenderingContext2D.prototype, old = pen.fillText;
+        let at = 0;
+        pen.fillText = (text, x, y) => { if (text === "16.7 ms") at = y; };
+        time.add([500]);
+        time.draw();
+        pen.fillText = old;
+        return [at, time.canvas.clientHeight];
+      });""")
+    assert 10 < line[0] < line[1], line
+
+
 def check_names(view):
     """A world is called what it is now, in the legend and on its tab; the intro and the picture of a comparison that is over go."""
     name = "document.querySelectorAll('#legend b')[1].textContent"
@@ -495,6 +525,7 @@ def check_page(plumb, folder):
             assert len(view.frame("sides")) == 3
             check_end_mass(view)
             check_names(view)
+            check_labels(view)
             check_hands(view)
             view.click("reset")
             view.pause(False)

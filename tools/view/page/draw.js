@@ -20,6 +20,7 @@ export class Painter {
     this.grid = makeProgram(gl, shaders.gridVertex, shaders.gridFragment);
     this.sides = [];
     this.overlay = true;
+    this.top = 0; // of the canvas is covered by words, in its pixels
     this.trails = true;
     this.colour = "world";
     this.held = -1;
@@ -171,10 +172,10 @@ export class Painter {
   viewports() {
     const { width, height } = this.canvas, n = Math.max(1, this.sides.length);
     if (this.overlay || n === 1) return [{ x: 0, y: 0, width, height, shown: this.sides.map((_, i) => i) }];
-    const across = width > height;
-    return this.sides.map((_, i) => (across
-      ? { x: Math.floor((i * width) / n), y: 0, width: Math.floor(width / n), height, shown: [i] }
-      : { x: 0, y: Math.floor((i * height) / n), width, height: Math.floor(height / n), shown: [i] }));
+    if (width > height) return this.sides.map((_, i) => ({ x: Math.floor((i * width) / n), y: 0, width: Math.floor(width / n), height, shown: [i] }));
+    // Words would cover the first of those that lie below each other.
+    const top = Math.min(this.top, height / 2), each = Math.floor((height - top) / n);
+    return this.sides.map((_, i) => ({ x: 0, y: Math.floor(top) + i * each, width, height: each, shown: [i] }));
   }
 
   draw(camera) {

@@ -14,6 +14,7 @@ import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
 import { placeWhy, showWhy } from "./measured/why.js";
 import { note, offerTakeover, unsay } from "./words/note.js";
+import { showTitles } from "./words/titles.js";
 
 const byId = (id) => document.getElementById(id);
 const isFilm = document.body.classList.contains("film");
@@ -180,19 +181,7 @@ function resize() {
   const ratio = Math.min(2, devicePixelRatio || 1);
   const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-}
-
-function showTitles() {
-  const ports = painter.viewports(), scale = canvas.width / canvas.clientWidth;
-  const bars = canvas.clientHeight < innerHeight ? 58 : 96; // on a phone bars lie under the view
-  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - bars, i: port.shown[0] })) : [];
-  if (wanted.length !== byId("titles").children.length)
-    byId("titles").replaceChildren(...wanted.map(() => document.createElement("span")));
-  wanted.forEach(({ left, top, i }, k) => {
-    const title = byId("titles").children[k];
-    Object.assign(title.style, { left: left + "px", top: top + "px", color: sideText(i, sides.length) });
-    title.textContent = sides[i]?.name ?? "";
-  });
+  painter.top = ratio * document.querySelector("header").getBoundingClientRect().bottom;
 }
 
 let ticks = 0;
@@ -207,7 +196,7 @@ function draw() {
   if (isFresh && before) painter.leaveTrail(frame);
   camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
   painter.draw(camera);
-  showTitles();
+  showTitles(byId("titles"), painter, sides);
   if (++ticks % 6 === 0 || isFresh && !frame.playing) showNumbers();
   isFresh = false;
 }

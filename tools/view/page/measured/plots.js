@@ -63,13 +63,14 @@ export class Plot {
     pen.font = "10px system-ui, sans-serif";
     pen.fillStyle = pen.strokeStyle = theme().grid;
     if (this.line) {
+      const at = y(this.line.value);
       pen.setLineDash([4, 3]);
       pen.beginPath();
-      pen.moveTo(0, y(this.line.value));
-      pen.lineTo(width, y(this.line.value));
+      pen.moveTo(0, at);
+      pen.lineTo(width, at);
       pen.stroke();
       pen.setLineDash([]);
-      pen.fillText(this.line.text, 4, y(this.line.value) + 11);
+      pen.fillText(this.line.text, 4, at + 12 < height ? at + 11 : at - 3); // below it, unless the plot ends there
     }
     this.series.forEach((one, i) => {
       pen.strokeStyle = sideText(i, this.series.length);

@@ -3,7 +3,8 @@ import { sideText } from "../colours.js";
 import { areAlike, compared } from "./verdict.js";
 
 const WIDTH = 380, HEIGHT = 78, ROWS = [19, 58]; // pixels
-const LIGHT = 92, HEAVY = 212; // where discs are
+const LIGHT = 76, HEAVY = 192, SAYS = 266; // where discs and words beside them are
+const LINE = 14; // between two lines of words
 const EXCESS = 76; // what the rod is too long by, which arrows share
 const HEAD = 6; // of an arrow
 
@@ -22,16 +23,15 @@ function arrow(x, y, way) {
 /** Draws a row: discs of these masses, and arrows by the share of the first. */
 function row({ y, name, colour, masses, share, says }) {
   const [r, s] = masses.map(radius), left = LIGHT + r, right = HEAVY - s;
-  const text = (x, anchor, word, more = "") => `<text x="${x}" y="${y + 4}" text-anchor="${anchor}" ${more}>${word}</text>`;
+  const text = (x, down, anchor, word, more = "") => `<text x="${x}" y="${y + down}" text-anchor="${anchor}" ${more}>${word}</text>`;
   return `<g style="--c: ${colour}">`
-    + text(0, "start", name, 'class="name"')
+    + text(0, -3, "start", name, 'class="name"') // a line above the mass, which may be long
     + `<path d="M${LIGHT} ${y}H${HEAVY}" stroke="currentColor" stroke-width="1.5"/>`
     + `<circle cx="${LIGHT}" cy="${y}" r="${r}"/><circle cx="${HEAVY}" cy="${y}" r="${s}"/>`
     + arrow(left, y, EXCESS * share) + arrow(right, y, -EXCESS * (1 - share))
-    + text(LIGHT - r - 4, "end", kilograms(masses[0])) + text(HEAVY + s + 4, "start", kilograms(masses[1]))
-    + `<text x="${left + 1}" y="${y - 6}" class="share">${percent(share)}</text>`
-    + `<text x="${right - 1}" y="${y - 6}" text-anchor="end" class="share">${percent(1 - share)}</text>`
-    + says.map((line, i) => `<text x="284" y="${y - 3 + 14 * i}" class="says">${line}</text>`).join("") + "</g>";
+    + text(LIGHT - r - 4, LINE - 3, "end", kilograms(masses[0])) + text(HEAVY + s + 4, 4, "start", kilograms(masses[1]))
+    + text(left + 1, -6, "start", percent(share), 'class="share"') + text(right - 1, -6, "end", percent(1 - share), 'class="share"')
+    + says.map((line, i) => text(SAYS, LINE * i - 3, "start", line, 'class="says"')).join("") + "</g>";
 }
 
 /**
