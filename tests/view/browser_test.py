@@ -23,6 +23,7 @@ try:
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
 except ImportError:
     skip("python3-selenium is missing; tools/setup --browser installs it")
 
@@ -193,6 +194,26 @@ def check_labels(view):
         return [at, time.canvas.clientHeight];
       });""")
     assert 10 < line[0] < line[1], line
+
+
+def check_words(view):
+    """Every control and every choice is explained, also to who sees nothing; what has the focus is explained in its place."""
+    plain = view.js("""return [...document.querySelectorAll('#panel :is(input, select, figure, #defaults, #tabs span button)')]
+      .filter(e => !document.getElementById(e.getAttribute('aria-describedby'))?.textContent).map(e => e.outerHTML)""")
+    assert not plain, plain
+    plain = view.js("return [...document.querySelectorAll('#panel option')].filter(e => e.value && !e.text.includes(': ')).map(e => e.text)")
+    assert not plain, plain
+    place = "return document.getElementById('explained').textContent"
+    view.js("document.getElementById('set-weights').focus()")
+    assert "share its correction. mass: the lighter" in view.js(place), view.js(place)
+    ActionChains(view.browser).send_keys(Keys.TAB).perform()
+    assert "1/60 s" in view.js(place), view.js(place)
+    ActionChains(view.browser).move_to_element(view.browser.find_element(By.ID, "plot-strain")).perform()
+    assert "worst rod" in view.js(place), view.js(place)
+    assert "starts all again" in view.js("return document.getElementById('tabs').textContent"), "+ and − say so before"
+    sweeps = view.browser.execute_cdp_cmd("Runtime.evaluate", {"expression": "document.getElementById('set-sweeps')"})
+    told = view.browser.execute_cdp_cmd("Accessibility.queryAXTree", {"objectId": sweeps["result"]["objectId"]})
+    assert "goes over all rods" in told["nodes"][0]["description"]["value"], told
 
 
 def check_names(view):
@@ -526,6 +547,7 @@ def check_page(plumb, folder):
             check_end_mass(view)
             check_names(view)
             check_labels(view)
+            check_words(view)
             check_hands(view)
             view.click("reset")
             view.pause(False)

@@ -1,6 +1,8 @@
 // The controls: what they show and what they ask for.
 import { diverging, islandColour, mixed, rgb, sideColour, sideText } from "./colours.js";
 import { NOWHERE, requests } from "./messages.js";
+import { explain, mean } from "./words/explain.js";
+import { choiceText } from "./words/terms.js";
 
 const byId = (id) => document.getElementById(id);
 const decades = (from, to, steps) => {
@@ -11,7 +13,7 @@ const decades = (from, to, steps) => {
 const evenly = (from, to, step) => Array.from({ length: Math.round((to - from) / step) + 1 }, (_, i) => Number((from + i * step).toFixed(6)));
 
 const COMMON = [
-  { name: "end_mass", label: "End mass", unit: " kg", restarts: true, title: "Worlds start again once it is let go",
+  { name: "end_mass", label: "End mass", unit: " kg", restarts: true,
     values: decades(-1, 3, [1, 1.5, 2, 3, 5, 7]) },
   { name: "gravity", label: "Gravity", unit: " m/s²", values: evenly(0, 20, 0.01).filter((g) => g === 9.81 || (g * 2) % 1 === 0) },
   { name: "drag", label: "Drag", unit: " /s", values: [0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5] },
@@ -37,13 +39,13 @@ function nearest(values, value) {
   return best;
 }
 
-function slider({ name, label, unit, values, title = "" }, ask) {
+function slider({ name, label, unit, values }, ask) {
   const row = document.createElement("label");
   row.className = "row slider";
-  row.title = title;
   row.innerHTML = `<span>${label}</span><input type="range" min="0" max="${values.length - 1}" step="1"><output></output>`;
   const [input, output] = [row.querySelector("input"), row.querySelector("output")];
   input.id = "set-" + name;
+  mean(row, label.toLowerCase());
   const show = (value) => {
     output.textContent = value === "off" ? "off" : Number(Number(value).toPrecision(4)) + unit;
     input.setAttribute("aria-valuetext", output.textContent);
@@ -65,7 +67,8 @@ function chooser({ name, label, words }, ask) {
   row.innerHTML = `<span>${label}</span><select></select>`;
   const select = row.querySelector("select");
   select.id = "set-" + name;
-  select.append(...words.map((word) => new Option(word, word)));
+  select.append(...words.map((word) => new Option(choiceText(name, word), word)));
+  mean(row, name);
   select.addEventListener("change", () => ask(name, select.value));
   return { row, input: select, set: (value) => { select.value = value; } };
 }
@@ -92,6 +95,8 @@ export class Panel {
       const opens = byId("fold").getAttribute("aria-expanded") !== "true";
       byId("fold").setAttribute("aria-expanded", opens);
     });
+    for (const choice of byId("colour").options) choice.text = choiceText("colours", choice.value, choice.text);
+    explain(byId("panel"), byId("explained"), byId("words"));
     if (innerWidth <= 760) byId("fold").setAttribute("aria-expanded", "false");
   }
 
@@ -101,7 +106,7 @@ export class Panel {
     this.methods = methods;
     byId("generator").replaceChildren(new Option("choose a scene …", ""),
       ...scenes.map(({ name, about }) => new Option(`${name}: ${about}`, name)));
-    byId("compare").replaceChildren(new Option("own choice", "", false, false), ...comparisons.map((name) => new Option(name, name)));
+    byId("compare").replaceChildren(new Option("own choice", "", false, false), ...comparisons.map((name) => new Option(choiceText("compare", name), name)));
     const ask = (name, value) => this.send(requests.set(name, value, this.side));
     WORDS[0].words = methods.map(({ name }) => name);
     this.own = [...WORDS.map((each) => ({ ...each, ...chooser(each, ask) })), ...OWN.map((each) => ({ ...each, ...slider(each, ask) }))];
@@ -147,11 +152,14 @@ export class Panel {
     const button = (text, title, ask, off) => {
       const out = document.createElement("button");
       Object.assign(out, { textContent: text, title, disabled: off });
+      mean(out, "add or drop a world");
       out.addEventListener("click", () => this.send(ask(this.side)));
       return out;
     };
-    byId("tabs").replaceChildren(...tabs, button("+", "One more world with these settings; all start again", requests.addSide, this.sides.length > 3),
-      button("−", "Take this world away", requests.dropSide, this.sides.length < 2));
+    const more = document.createElement("span");
+    more.append(button("+", "One more world with these settings; all start again", requests.addSide, this.sides.length > 3),
+      button("−", "Take this world away; all start again", requests.dropSide, this.sides.length < 2), "starts all again");
+    byId("tabs").replaceChildren(...tabs, more);
     const { settings } = this.sides[this.side];
     const reads = this.methods.find(({ name }) => name === settings.method)?.reads ?? [];
     for (const each of this.own) {

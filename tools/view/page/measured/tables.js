@@ -11,7 +11,7 @@ const COUNTERS = [["awake islands", (s) => `${s.awake} / ${s.islands}`], ["aslee
                   ["substeps", (s) => s.substeps], ["sweeps of blocks", (s) => s.sweeps], ["Newton steps", (s) => s.newton],
                   ["within tolerance", (s) => s.skipped], ["not solved or accurate", (s) => s.troubles]];
 
-const row = (title, cells) => `<tr><th scope="row">${title}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`;
+const row = (title, cells) => `<tr data-term="${title}"><th scope="row">${title}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`;
 
 /** Returns rows of what the step did in each world. */
 export function counterRows({ sides }) {
