@@ -333,6 +333,9 @@ def check_framing(plumb, browser):
             view.pause()
             time.sleep(0.5)  # in which the view follows
             assert view.js(FARTHEST, False) < most, (scene, view.js(FARTHEST, False))
+            high = "document.getElementById('high').textContent"
+            view.until(f"{high} === '' || {high}.includes('above the ground')", "words are shown")
+            assert bool(view.js("return " + high)) == (scene == "shot"), (scene, "what flies out of sight has marks, and nothing else")
             thick = view.js("return 0.6 * window.plumb.painter.model.rodRadius / window.plumb.painter.model.radius")
             assert thick < 0.05, (scene, "a trail covers nothing", thick)
 

@@ -1,12 +1,12 @@
 // Draws the worlds, over each other or side by side.
 import { diverging, islandColour, mixed, rgb, sideColour } from "./colours.js";
+import { Plummet } from "./drawn/plummet.js";
+import { Trail } from "./drawn/trail.js";
 import { makeInstances, makeProgram, makeTriangles, PointTexture } from "./gl.js";
 import { whatStays } from "./measured/parts.js";
 import { NOWHERE } from "./messages.js";
 import { Model } from "./model.js";
 import * as shaders from "./shaders.js";
-
-const TRAIL = 150; // frames of the path that an end leaves behind
 
 export class Painter {
   constructor(canvas) {
@@ -31,6 +31,8 @@ export class Painter {
     const gl = this.gl;
     this.model = new Model(scene);
     this.sides = [];
+    this.plummet = new Plummet(gl);
+    this.flies = null; // what is out of sight of the ground: how high it is, where that is drawn
     this.gone = { count: 0, stays: null };
     this.ground = this.model.solid.length ? makeTriangles(gl, this.model.solid) : null;
     this.planes = this.model.planes.map((plane) => ({ ...plane, triangles: makeTriangles(gl, plane.corners) }));
@@ -55,7 +57,6 @@ export class Painter {
   makeSide() {
     const gl = this.gl, model = this.model;
     const sticks = model.stickRadii.length, balls = model.balls.length;
-    const trailEnds = new Uint32Array(2 * (TRAIL - 1)).map((_, i) => (i >> 1) + (i & 1));
     return {
       points: new PointTexture(gl),
       place: new Float32Array(4 * model.pointCount()),
@@ -64,15 +65,12 @@ export class Painter {
       sticks: makeInstances(gl, [[2, model.ends, true], [1, model.stickRadii], [4, new Float32Array(4 * sticks)]]),
       balls: makeInstances(gl, [[1, model.balls, true], [1, model.ballRadii], [4, new Float32Array(4 * balls)]]),
       hulls: model.hulls.length ? makeTriangles(gl, new Float32Array(6)) : null,
-      trail: [],
-      trailPoints: new PointTexture(gl),
-      trailSticks: makeInstances(gl, [[2, trailEnds, true],
-        [1, new Float32Array(TRAIL - 1).fill(0.6 * model.rodRadius)], [4, new Float32Array(4 * (TRAIL - 1))]]),
+      trail: new Trail(gl, 0.6 * model.rodRadius),
     };
   }
 
   clearTrails() {
-    for (const side of this.sides) side.trail = [];
+    for (const side of this.sides) side.trail.clear();
   }
 
   /** Takes a frame. `blend` in [0, 1] leads from the frame before, if there is one, to it. */
@@ -110,12 +108,7 @@ export class Painter {
   /** Takes note of where ends are, for their trails. */
   leaveTrail(frame) {
     if (this.end < 0) return;
-    frame.sides.forEach(({ positions }, i) => {
-      const trail = this.sides[i]?.trail;
-      if (!trail) return;
-      trail.push(positions.slice(3 * this.end, 3 * this.end + 3));
-      if (trail.length > TRAIL) trail.shift();
-    });
+    frame.sides.forEach(({ positions }, i) => this.sides[i]?.trail.add(frame.frame, positions.slice(3 * this.end, 3 * this.end + 3)));
   }
 
   tint(side, from, number, count) {
@@ -188,6 +181,7 @@ export class Painter {
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    this.flies = null;
     for (const port of this.viewports()) {
       gl.viewport(port.x, this.canvas.height - port.y - port.height, port.width, port.height);
       const matrices = camera.matrices(port.width / port.height);
@@ -196,7 +190,17 @@ export class Painter {
       for (const i of port.shown) this.drawShadow(matrices, this.sides[i]);
       for (const i of port.shown)
         this.drawSide(matrices, this.sides[i], i, port.shown.length > 1 && i === 0 && this.colour === "world");
+      this.drawHeight(matrices, camera, port);
     }
+  }
+
+  /** Hangs a line from the first world of a view, if it flies. */
+  drawHeight(matrices, camera, port) {
+    const { positions } = this.sides[port.shown[0]] ?? {};
+    const flies = positions && this.plummet.from(this.model, camera, positions, port);
+    if (!flies) return;
+    this.plummet.draw((scale) => this.use(this.rod, matrices, { flatColor: 1, scale }), camera, flies);
+    this.flies ??= flies;
   }
 
   use({ program, uniforms }, matrices, more = {}) {
@@ -267,19 +271,9 @@ export class Painter {
   }
 
   drawTrail(matrices, side, number) {
-    const gl = this.gl, n = side.trail.length;
-    if (n < 2 || this.model.particles > 2000) return;
-    const points = new Float32Array(4 * n), tints = new Float32Array(4 * (TRAIL - 1));
-    side.trail.forEach((p, i) => points.set(p, 4 * i));
-    for (let i = 0; i < n - 1; ++i) tints.set([...sideColour(number, this.sides.length), 0.02 + 0.6 * (i / n) ** 2], 4 * i);
-    side.trailPoints.fill(points);
-    gl.bindBuffer(gl.ARRAY_BUFFER, side.trailSticks.buffers[2]);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, tints);
-    gl.depthMask(false);
-    this.use(this.rod, matrices, { flatColor: 1 });
-    gl.bindTexture(gl.TEXTURE_2D, side.trailPoints.texture);
-    gl.bindVertexArray(side.trailSticks.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, n - 1);
-    gl.depthMask(true);
+    if (this.model.particles > 2000) return;
+    this.gl.depthMask(false);
+    side.trail.draw(() => this.use(this.rod, matrices, { flatColor: 1 }), sideColour(number, this.sides.length));
+    this.gl.depthMask(true);
   }
 }

@@ -146,6 +146,7 @@ function take(next) {
   const isNew = !frame || next.frame !== frame.frame;
   frame = next;
   isFresh = true;
+  if (before) painter.leaveTrail(frame); // also where the next one comes before it is drawn
   byId("play").textContent = frame.playing ? "Pause" : "Play";
   if (frame.playing) unsay(PAUSED);
   if (!isNew) return;
@@ -163,6 +164,7 @@ function take(next) {
 function showNumbers() {
   const reached = frame.playing && frame.reached && pace.kind !== "slow" ? ` · ${short(frame.reached, 2)} ×` : "";
   byId("clock").textContent = `${frame.time.toFixed(2)} s · frame ${frame.frame}${reached}`;
+  byId("high").textContent = painter.flies ? `${short(painter.flies.high)} m above the ground; marks are ${short(painter.flies.step)} m apart` : "";
   [...byId("legend").children].forEach((item, i) => {
     const side = frame.sides[i];
     if (!side) return;
@@ -193,7 +195,6 @@ function draw() {
   // In slow motion frames are far apart, and what is drawn leads from one to the next.
   const isSlow = before && period > 25;
   painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
-  if (isFresh && before) painter.leaveTrail(frame);
   camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
   painter.draw(camera);
   showTitles(byId("titles"), painter, sides);
