@@ -334,10 +334,27 @@ def check_framing(plumb, browser):
             time.sleep(0.5)  # in which the view follows
             assert view.js(FARTHEST, False) < most, (scene, view.js(FARTHEST, False))
             high = "document.getElementById('high').textContent"
-            view.until(f"{high} === '' || {high}.includes('above the ground')", "words are shown")
             assert bool(view.js("return " + high)) == (scene == "shot"), (scene, "what flies out of sight has marks, and nothing else")
+            if scene == "shot":
+                assert "m above the ground; marks are 0.1 m apart" in view.js("return " + high)
             thick = view.js("return 0.6 * window.plumb.painter.model.rodRadius / window.plumb.painter.model.radius")
             assert thick < 0.05, (scene, "a trail covers nothing", thick)
+
+
+def check_scattered(view):
+    """Where things flew apart, the view stays with most of them, and counts from where they began."""
+    view.until("document.getElementById('high').textContent.includes('where it began')", "it says how far it went")
+    view.until("window.plumb.frame.frame > 100", "they flew apart")
+    view.pause()
+    time.sleep(0.5)  # in which the view follows
+    seen = view.js("""const { painter, camera, frame } = window.plumb, [port] = painter.viewports(), points = frame.sides[0].positions;
+        let seen = 0;
+        for (let i = 0; i < points.length; i += 3) {
+          const at = camera.project(points.slice(i, i + 3), port.width, port.height);
+          seen += at && at.x > 0 && at.x < port.width && at.y > 0 && at.y < port.height;
+        }
+        return 3 * seen / points.length;""")
+    assert seen > 0.5, seen
 
 
 def check_cut_view(view):
@@ -582,6 +599,8 @@ def check_page(plumb, folder):
             view.until("window.plumb.frame.sides[2].distance > window.plumb.frame.sides[1].distance", "relaxed errs more")
             check_refusals(view)
         check_framing(plumb, browser)
+        with View(plumb, browser, "shot:number=9") as view:
+            check_scattered(view)
     finally:
         browser.quit()
 

@@ -12,6 +12,7 @@ const FIELD = 0.7; // rad, of the smaller side of the view
 const SHARE = 0.85; // of what the view shows, in which things are kept
 const PACE = 0.08; // the share of the way that the view goes in a picture
 const MOST_SEEN = 500; // particles that are looked at for that
+const FAR_APART = 2; // times as far as at first, which no view shows
 
 export class Camera {
   constructor() {
@@ -24,7 +25,7 @@ export class Camera {
   /** Shows all of a ball, with some room around it. */
   frame({ center, radius, room }) {
     this.target = [...center];
-    this.radius = Math.max(radius, 1e-3);
+    this.size = this.radius = Math.max(radius, 1e-3);
     this.distance = (room * this.radius) / Math.sin(FIELD / 2);
     this.yaw = 0.35;
     this.pitch = 0.16;
@@ -32,23 +33,31 @@ export class Camera {
 
   /** Goes after what leaves the view, as far as it has to, until somebody moves or zooms it. `stays` tells which particles count. */
   follow(positions, thickness, stays) {
+    const { low, high } = this.extent(positions, stays);
+    this.seen = scaled(0.5, plus(low, high));
     if (!this.radius) return;
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const every = 3 * Math.ceil(positions.length / 3 / MOST_SEEN);
-    for (let i = 0; i < positions.length; i += every) {
-      if (stays && !stays[i / 3]) continue;
-      for (let c = 0; c < 3; ++c) {
-        low[c] = Math.min(low[c], positions[i + c]);
-        high[c] = Math.max(high[c], positions[i + c]);
-      }
-    }
-    const away = subtract(scaled(0.5, plus(low, high)), this.target);
+    const away = subtract(this.seen, this.target);
     const beyond = Math.hypot(...away) + 0.5 * Math.hypot(...subtract(high, low)) + thickness - SHARE * this.radius;
     const far = Math.hypot(...away);
     if (!(beyond > 0) || !Number.isFinite(far) || far === 0) return;
     // The middle of what is fast does not leave the view.
     const way = Math.max(PACE * Math.min(beyond, far), far - this.radius);
     this.target = plus(this.target, scaled(way / far, away));
+  }
+
+  /** Returns two corners of the box around particles, or around the middle half of them where they flew far apart. */
+  extent(positions, stays) {
+    const seen = [0, 1, 2].map((c) => {
+      const out = [], every = 3 * Math.ceil(positions.length / 3 / MOST_SEEN);
+      for (let i = 0; i < positions.length; i += every) if (!stays || stays[i / 3]) out.push(positions[i + c]);
+      return out.sort((a, b) => a - b);
+    });
+    const box = (share) => {
+      const [low, high] = [share, 1 - share].map((at) => seen.map((list) => list[Math.round(at * (list.length - 1))]));
+      return { low, high };
+    };
+    const all = box(0);
+    return Math.hypot(...subtract(all.high, all.low)) > 2 * FAR_APART * this.size ? box(0.25) : all;
   }
 
   orbit(dx, dy) {

@@ -32,7 +32,7 @@ export class Painter {
     this.model = new Model(scene);
     this.sides = [];
     this.plummet = new Plummet(gl);
-    this.flies = null; // what is out of sight of the ground: how high it is, where that is drawn
+    this.flies = null; // what is out of sight of the ground, where that is drawn
     this.gone = { count: 0, stays: null };
     this.ground = this.model.solid.length ? makeTriangles(gl, this.model.solid) : null;
     this.planes = this.model.planes.map((plane) => ({ ...plane, triangles: makeTriangles(gl, plane.corners) }));
@@ -194,10 +194,9 @@ export class Painter {
     }
   }
 
-  /** Hangs a line from the first world of a view, if it flies. */
+  /** Hangs a line from what the view goes after, if it flies. */
   drawHeight(matrices, camera, port) {
-    const { positions } = this.sides[port.shown[0]] ?? {};
-    const flies = positions && this.plummet.from(this.model, camera, positions, port);
+    const flies = camera.seen && this.plummet.from(this.model, camera, camera.seen, port);
     if (!flies) return;
     this.plummet.draw((scale) => this.use(this.rod, matrices, { flatColor: 1, scale }), camera, flies);
     this.flies ??= flies;

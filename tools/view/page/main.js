@@ -164,7 +164,7 @@ function take(next) {
 function showNumbers() {
   const reached = frame.playing && frame.reached && pace.kind !== "slow" ? ` · ${short(frame.reached, 2)} ×` : "";
   byId("clock").textContent = `${frame.time.toFixed(2)} s · frame ${frame.frame}${reached}`;
-  byId("high").textContent = painter.flies ? `${short(painter.flies.high)} m above the ground; marks are ${short(painter.flies.step)} m apart` : "";
+  byId("high").textContent = painter.flies?.words ?? "";
   [...byId("legend").children].forEach((item, i) => {
     const side = frame.sides[i];
     if (!side) return;
