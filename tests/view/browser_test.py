@@ -383,6 +383,11 @@ def check_film(view, folder):
     view.until("window.plumb?.frame", "the recording is shown")
     view.goes_on()
     assert view.frame("sides[0].positions.length") == shown
+    view.click("ask")
+    said = view.js("return document.body.innerText")  # of what is seen
+    assert "shows a recording" in said and "A rope moves by corrections" in said, said
+    assert not (asks := re.findall("Move End mass|Make the end|sliders|haul|dropped|Defaults", said)), asks
+    view.js("document.getElementById('help').close()")
     take_picture(view.browser, os.path.join(folder, "film.png"))
 
 

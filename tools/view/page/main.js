@@ -172,7 +172,7 @@ function showNumbers() {
       + (frame.playing ? "" : ` · state ${hashText(side.hash)}`);
   });
   const endMass = frame.sides[0].gone.length ? null : lastSides.end_mass; // its rope may be cut
-  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.masses, endMass);
+  byId("verdict").textContent = verdict(sides, plots.distance.series, painter.model.masses, endMass, !isFilm);
   byId("counters").innerHTML = counterRows(frame);
   byId("stages").innerHTML = stageRows(frame, panel.stages ?? []);
   showKey(byId("key"), painter, frame);

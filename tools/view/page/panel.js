@@ -132,6 +132,7 @@ export class Panel {
     }
     byId("compare").value = message.comparison;
     byId("about").textContent = message.about;
+    byId("hint").textContent = message.hint;
     byId("distance").textContent = message.sides[0].name === "truth" ? "error, % of size" : "distance, % of size";
     this.showTabs();
   }

@@ -141,7 +141,8 @@ Json sides_json(const Exhibit& exhibit) {
   return {{"kind", "sides"},
           {"sides", sides},
           {"comparison", shown.name},
-          {"about", has_mass && !shown.hint.empty() ? shown.about + " " + shown.hint : shown.about},
+          {"about", shown.about},
+          {"hint", has_mass ? shown.hint : ""},
           {"gravity", -scene.gravity.y},
           {"drag", scene.drag},
           {"end_mass", end_mass}};

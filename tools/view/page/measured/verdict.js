@@ -28,14 +28,14 @@ export function compared(sides) {
 
 /**
  * Returns a sentence on worlds, whose distances (%) of the last seconds `series` lists; or none. `masses` has those of
- * their particles, and `endMass` is that of the slider, if there is one.
+ * their particles, and `endMass` is that of the slider, if there is one, which `canMove` where it is no recording.
  */
-export function verdict(sides, series, { least, most, end }, endMass) {
+export function verdict(sides, series, { least, most, end }, endMass, canMove) {
   const found = compared(sides), both = found?.map((i) => series[i]?.slice(-RECENT));
   if (!both || !both.every((list) => list?.length >= 60)) return "";
   const [m, e] = both.map(rms), far = Math.max(m, e);
   if (!Number.isFinite(far)) return "One of them flew apart.";
-  const heavier = endMass !== null ? " Make the end heavier." : "";
+  const heavier = endMass !== null && canMove ? " Make the end heavier." : "";
   const last = endMass ?? end;
   if (areAlike(Math.min(least, last), Math.max(most, last))) return "All masses are alike: weights make no difference." + heavier;
   if (far < NEAR) return "Both move as the reference does." + heavier;
