@@ -293,6 +293,17 @@ def check_colours(view):
     assert "solve" in view.js("return document.getElementById('stages').textContent"), "times of stages are shown"
 
 
+def check_trails(view):
+    """A trail passes through where its end was, is no chord between, keeps a corner where there was a blow, and ends at what is shown."""
+    off = view.js("""return import("./drawn/trail.js").then(({ smooth }) => {
+        const at = (f) => [Math.cos(0.4 * f), Math.sin(0.4 * f), 0], way = [0, 1, 2, 4, 5, 6].map((frame) => ({ frame, at: at(frame) }));
+        const curve = smooth(way), least = (p) => Math.min(...curve.map((q) => Math.hypot(p[0] - q[0], p[1] - q[1])));
+        const blow = smooth([[0, 2], [1, 1], [2, 0], [3, 1], [4, 2]].map(([x, y], frame) => ({ frame, at: [x, y, 0] })));
+        return [Math.max(...way.map((p) => least(p.at))), least(at(1.5)), least(at(3)), Math.min(...blow.map((p) => p[1]))];
+      });""")
+    assert off[0] < 1e-9 and off[1] < 0.004 and off[2] < 0.03 and off[3] >= 0, off
+
+
 def check_plots(view):
     """Rounding is drawn flat: scales do not follow it."""
     ranges = view.js("""const { makePlots } = await import("./measured/plots.js");
@@ -580,6 +591,7 @@ def check_page(plumb, folder):
             check_time(view)
             check_colours(view)
             check_plots(view)
+            check_trails(view)
             assert view.frame("sides[2].distance") > 0, "worlds differ"
             file = check_replay(view, plumb, folder)
             check_cut_view(view)

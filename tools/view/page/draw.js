@@ -78,6 +78,7 @@ export class Painter {
     const gl = this.gl, model = this.model;
     while (this.sides.length < frame.sides.length) this.sides.push(this.makeSide());
     this.sides.length = frame.sides.length;
+    this.shownFrame = before ? before.frame + blend * (frame.frame - before.frame) : frame.frame;
     frame.sides.forEach((from, i) => {
       const side = this.sides[i];
       if (from.positions.length !== 3 * model.particles) return;
@@ -270,9 +271,10 @@ export class Painter {
   }
 
   drawTrail(matrices, side, number) {
-    if (this.model.particles > 2000) return;
+    if (this.model.particles > 2000 || this.end < 0) return;
+    const shown = { frame: this.shownFrame, at: [...side.positions.subarray(3 * this.end, 3 * this.end + 3)] };
     this.gl.depthMask(false);
-    side.trail.draw(() => this.use(this.rod, matrices, { flatColor: 1 }), sideColour(number, this.sides.length));
+    side.trail.draw(() => this.use(this.rod, matrices, { flatColor: 1 }), sideColour(number, this.sides.length), shown);
     this.gl.depthMask(true);
   }
 }

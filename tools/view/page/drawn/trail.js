@@ -11,8 +11,9 @@ const SHARP = 0.5; // the cosine of a turn that is a blow
 function slope(before, here, after) {
   if (!before || !after) return null;
   const came = vec.subtract(here.at, before.at), goes = vec.subtract(after.at, here.at);
+  const past = here.frame - before.frame, next = after.frame - here.frame;
   if (vec.dot(came, goes) < SHARP * Math.hypot(...came) * Math.hypot(...goes)) return null;
-  return vec.scaled(1 / (after.frame - before.frame), vec.plus(came, goes));
+  return vec.scaled(1 / (past + next), vec.plus(vec.scaled(next / past, came), vec.scaled(past / next, goes)));
 }
 
 /** Returns points of a curve through those of a way, `PARTS` from each to the next. Frames may be left out between them. */
@@ -42,25 +43,20 @@ export class Trail {
 
   clear() {
     this.way = [];
-    this.isNew = true;
   }
 
   add(frame, at) {
     this.way.push({ frame, at: [...at] });
     if (this.way.length > FRAMES) this.way.shift();
-    this.isNew = true;
   }
 
-  /** Draws it by a function that makes programs ready. */
-  draw(use, colour) {
-    const gl = this.gl, count = PARTS * (this.way.length - 1);
+  /** Draws it up to what is shown, which may lie between two frames, by a function that makes a program ready. */
+  draw(use, colour, shown) {
+    const gl = this.gl, way = [...this.way.filter(({ frame }) => frame < shown.frame), shown].slice(-FRAMES), count = PARTS * (way.length - 1);
     if (count <= 0) return;
-    if (this.isNew) {
-      const points = new Float32Array(4 * (count + 1));
-      smooth(this.way).forEach((p, i) => points.set(p, 4 * i));
-      this.points.fill(points);
-      this.isNew = false;
-    }
+    const points = new Float32Array(4 * (count + 1));
+    smooth(way).forEach((p, i) => points.set(p, 4 * i));
+    this.points.fill(points);
     const tints = new Float32Array(4 * STICKS);
     for (let i = 0; i < count; ++i) tints.set([...colour, 0.02 + 0.6 * (i / count) ** 2], 4 * i);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.sticks.buffers[2]);
