@@ -412,6 +412,10 @@ def check_refusals(view):
     view.browser.switch_to.new_window("tab")
     view.browser.get(address)
     view.until("document.getElementById('note').textContent.includes('Another page')", "the second page is told")
+    view.until("window.plumb.painter", "it can draw")
+    view.js("const p = window.plumb.painter, old = p.draw; p.draw = (c) => { old.call(p, c); const pixel = new Uint8Array(4);"
+            "p.gl.readPixels(9, 9, 1, 1, p.gl.RGBA, p.gl.UNSIGNED_BYTE, pixel); window.corner = [...pixel]; }")
+    assert wait_until(lambda: view.js("return window.corner"), "it draws its background", view.note)[0] > 200
     view.browser.find_element(By.CSS_SELECTOR, "#note button").click()
     view.until("window.plumb?.frame?.frame > 3", "it takes over")
     view.goes_on()

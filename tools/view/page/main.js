@@ -190,8 +190,9 @@ let ticks = 0;
 function draw() {
   requestAnimationFrame(draw);
   pace.tick(performance.now(), frame, isFilm ? 0 : Number(byId("speed").value));
-  if (!frame) return;
+  if (!frame && painter.model) return; // what was shown stays until there is more
   resize();
+  if (!frame) return painter.draw(camera); // an empty page, as where another one has the worlds
   // In slow motion frames are far apart, and what is drawn leads from one to the next.
   const isSlow = before && period > 25;
   painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
