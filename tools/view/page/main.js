@@ -12,7 +12,7 @@ import { makePlots, scaleEnergy } from "./measured/plots.js";
 import { connect } from "./socket.js";
 import { counterRows, short, stageRows } from "./measured/tables.js";
 import { percentText, verdict } from "./measured/verdict.js";
-import { placeWhy, showWhy } from "./measured/why.js";
+import { foldWhy, showWhy } from "./measured/why.js";
 import { note, offerTakeover, unsay } from "./words/note.js";
 import { showTitles } from "./words/titles.js";
 
@@ -277,7 +277,7 @@ addEventListener("drop", async ({ dataTransfer }) => {
   else if (file.size > 30e6) note(`${file.name} is larger than 30 MB.`, true);
   else panel.send(requests.load(file.name, await file.text() || " "));
 });
-placeWhy(byId("why"), document.querySelector("header"), byId("all"));
+foldWhy(byId("why"));
 onSchemeChange(() => { if (lastSides) setSides(lastSides); });
 
 // Shaders take longer to compile than all else: what needs none is shown before.

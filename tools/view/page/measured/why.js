@@ -58,9 +58,9 @@ export function showWhy(place, sides, masses, endMass) {
 
 const isNarrow = matchMedia("(max-width: 760px)");
 
-/** Keeps the picture in the header, or among controls where the header would cover worlds with it. */
-export function placeWhy(place, header, after) {
-  const put = () => (isNarrow.matches ? after.after(place) : header.append(place));
-  isNarrow.addEventListener("change", put);
-  put();
+/** Opens the picture, or leaves a line of it that opens where it would cover worlds. */
+export function foldWhy(place) {
+  const fold = () => { place.open = !isNarrow.matches; };
+  isNarrow.addEventListener("change", fold);
+  fold();
 }
