@@ -11,11 +11,11 @@ function floorOf(view) {
 }
 
 /** Returns where the name of a view may be: below in it, or above where views lie below each other. */
-function roomOf(port, view, scale, isStacked) {
-  const left = port.x / scale, right = left + port.width / scale;
-  if (isStacked) return { left: GAP, right, top: port.y / scale + GAP };
-  const top = floorOf(view) - LINE, tools = boxOf("tools");
-  return { left: Math.max(left, top < tools.bottom ? tools.right : 0) + GAP, right: right - GAP, top };
+function roomOf(port, floor, scale, isStacked) {
+  const left = port.x / scale, right = left + port.width / scale - GAP, tools = boxOf("tools");
+  const top = isStacked ? port.y / scale + GAP : floor - LINE;
+  const isBeside = top < tools.bottom && top + LINE > tools.top;
+  return { left: Math.max(left, isBeside ? tools.right : 0) + GAP, right, top };
 }
 
 /** Shows the names of worlds. One that has no room is left out; the legend has it, too. */
@@ -25,11 +25,11 @@ export function showTitles(place, painter, sides) {
     place.replaceChildren(...Array.from({ length: count }, () => document.createElement("p")));
   if (!count) return;
   const view = painter.canvas.getBoundingClientRect(), scale = painter.canvas.width / view.width;
-  const isStacked = ports[1].y > 0;
+  const isStacked = ports[1].y > 0, floor = floorOf(view);
   ports.forEach((port, k) => {
     const title = place.children[k], number = port.shown[0], name = sides[number]?.name ?? "";
-    const { left, right, top } = roomOf(port, view, scale, isStacked);
-    title.hidden = right - left < LEAST;
+    const { left, right, top } = roomOf(port, floor, scale, isStacked);
+    title.hidden = right - left < LEAST || top + LINE > floor;
     title.className = isStacked ? "stacked" : "";
     Object.assign(title.style, { left: left + "px", width: right - left + "px", top: top + "px", color: sideText(number, sides.length) });
     if (title.textContent !== name) {
