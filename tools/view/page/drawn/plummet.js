@@ -4,7 +4,7 @@ import { makeInstances, PointTexture } from "../gl.js";
 import { short } from "../measured/tables.js";
 
 const MARKS = 60; // at most, from what flies on
-const STEPS = 25; // from one mark to the next to the eye, at least
+const STEPS = 25; // marks, at most, that are as long a way as the eye is off
 const FIRST = 2; // times the size of a scene is high enough
 const LONG = 0.008, THIN = 0.0008; // of the distance of the eye: marks, and all lines
 
