@@ -190,10 +190,8 @@ bool RelaxSolver<T>::wants_team() const {
 template <class T>
 void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, StepReport& report) {
   RelaxSettings<T> settings = settings_for(block_.rods(), 1);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = 0; i < count; ++i, settings.leftovers.pass(h_))
     relax_block(block_, settings, i, report, team);
-    settings.leftovers.pass(h_);
-  }
 }
 
 template <class T>
