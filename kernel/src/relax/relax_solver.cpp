@@ -4,7 +4,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "plumb/measures.hpp"
 #include "relax/describe.hpp"
 
 namespace plumb::detail {
@@ -97,9 +96,7 @@ void RelaxSolver<T>::start_displacements(double h) {
   for_slots([&](Slot slot, std::uint32_t particle) {
     if (!is_movable(particle)) return;
     const Vec3 v = rules_->initial_velocities[particle];
-    const auto start = rules_->verlet.start(v, acceleration(slot, h * v, h), h);
-    block_.write(block_.displacement(0), slot, start.last);
-    block_.write(block_.displacement(1), slot, start.before);
+    write_displacements(slot, rules_->verlet.start(v, acceleration(slot, h * v, h), h));
   });
 }
 
@@ -343,28 +340,11 @@ double RelaxSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) co
 }
 
 template <class T>
-void RelaxSolver<T>::set_force(Slot slot, Vec3 newton) {
-  if (forces_.empty()) forces_.resize(block_.packing().slot_vertex.size());
-  const Vec3 change = (h_ * h_ * inverse_mass(slot)) * (newton - forces_[slot]);
-  forces_[slot] = newton;
-  kicks_stale_ = true;
-  if (!has_moved_ || rules_->verlet.gradient == Gradient::mid || block_.is_frozen(slot)) return;
-  T* const last = block_.displacement(0);
-  T* const before = block_.displacement(1);
-  const auto changed =
-      rules_->verlet.change_acceleration({block_.read(last, slot), block_.read(before, slot)}, change);
-  block_.write(last, slot, changed.last);
-  block_.write(before, slot, changed.before);
-}
-
-template <class T>
 void RelaxSolver<T>::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   block_.write(block_.x(), slot, position);
   rules_->initial_velocities[particle_of(slot)] = velocity;
   if (!has_moved_) return;
-  const auto start = rules_->verlet.start(velocity, acceleration(slot, h_ * velocity, h_), h_);
-  block_.write(block_.displacement(0), slot, start.last);
-  block_.write(block_.displacement(1), slot, start.before);
+  write_displacements(slot, rules_->verlet.start(velocity, acceleration(slot, h_ * velocity, h_), h_));
 }
 
 template <class T>

@@ -151,6 +151,10 @@ class RelaxSolver final : public Solver {
   typename Block<T>::Weighing weighing() const;
   void weigh();
   void weigh_grabs(double h);
+  using Displacements = Verlet::Displacements;
+  void write_displacements(Slot slot, const Displacements& now);
+  /// Keeps the velocity as Verlet::change_acceleration() does.
+  void change_acceleration(Slot slot, Vec3 change);
   template <class Change>
   void keep_velocity(Slot slot, Change&& change);
   template <class Change>

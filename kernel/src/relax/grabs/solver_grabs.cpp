@@ -75,17 +75,12 @@ template <class T>
 template <class Change>
 void RelaxSolver<T>::keep_velocity(Slot slot, Change&& change) {
   const bool knows = has_moved_ && rules_->verlet.gradient != Gradient::mid && !block_.is_frozen(slot);
-  T* const last = block_.displacement(0);
-  T* const before = block_.displacement(1);
-  const Vec3 went = block_.read(last, slot);
+  const Vec3 went = block_.read(block_.displacement(0), slot);
   const Vec3 old = knows ? acceleration(slot, went, h_) : Vec3{};
   change();
   kicks_stale_ = true;
   if (!knows) return;
-  const Vec3 by = (h_ * h_) * (acceleration(slot, went, h_) - old);
-  const auto changed = rules_->verlet.change_acceleration({went, block_.read(before, slot)}, by);
-  block_.write(last, slot, changed.last);
-  block_.write(before, slot, changed.before);
+  change_acceleration(slot, (h_ * h_) * (acceleration(slot, went, h_) - old));
 }
 
 template <class T>
