@@ -207,10 +207,8 @@ void CrowdJoints<T>::sweep(Crowd<T>& crowd) {
   for (Row& row : rows_) visit(crowd, row);
 }
 
-// Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
-// what they pushed before grows without bound, and has any direction.
-// Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
-// what they pushed before grows without bound, and has any direction.
+/// Rods that are rigid are projected from where they are, as rods without a law are: where they do not fit,
+/// what they pushed before grows without bound, and has any direction.
 template <class T>
 void CrowdJoints<T>::visit(Crowd<T>& crowd, Distance& distance, const ElasticLaw& law) const {
   const double moves = distance.moves;
