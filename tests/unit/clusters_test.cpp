@@ -150,7 +150,7 @@ TEST(ContactSolver, PlacesParticlesWhereTheSceneDoes) {
   Scene scene = scenes::load_scene("crowd:humanoids=2,hit=1");
   for (Particle& particle : scene.particles) particle.asleep = false;
   const SceneParts parts(scene);
-  ContactSolver solver(scene, parts, {.method = Method::direct, .threads = 1});
+  ContactSolver solver(std::make_shared<const Scene>(scene), parts, {.method = Method::direct, .threads = 1});
   std::vector<int> times(scene.particles.size(), 0);
   for (const auto& [particle, slot] : solver.places()) {
     ++times[particle];

@@ -169,7 +169,8 @@ void require_defaults_read(const std::string& typed, const Scene& scene, const S
 }
 
 int run(const RunOptions& options, const std::string& typed) {
-  const Scene scene = scenes::load_scene(options.scene);
+  const auto shared = std::make_shared<const Scene>(scenes::load_scene(options.scene));
+  const Scene& scene = *shared;
   require_read(options, scene);
   require_defaults_read(typed, scene, options.plan.settings);
   std::vector<Frame> truth;
@@ -205,7 +206,7 @@ int run(const RunOptions& options, const std::string& typed) {
   {
     Progress progress("running", options.quiet);
     observer.progress = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
-    result = scenes::run_scene(scene, options.plan, truth, observer);
+    result = scenes::run_scene(shared, options.plan, truth, observer);
   }
   const scenes::Machine machine = scenes::describe_machine(result.info);
   if (report)

@@ -24,14 +24,15 @@ namespace plumb {
 /// substep. Two stored positions would lose g·h² below one unit in the last place of a float.
 ///
 /// A world is not thread-safe. One thread at a time may use it, reading included, since velocities are
-/// computed when they are first read. Different worlds may be used at the same time. A world keeps no
-/// reference to its scene.
+/// computed when they are first read. Different worlds may be used at the same time.
 class PLUMB_API World {
  public:
-  /// Compiles a scene. Throws InputError if validate() refuses the scene or the settings, if numbers do not
-  /// fit the precision or 32-bit places, or if the method cannot move the scene. It then leaves nothing
-  /// behind.
+  /// Compiles a scene, and keeps a copy. Throws InputError if validate() refuses the scene or the settings,
+  /// if numbers do not fit the precision or 32-bit places, or if the method cannot move the scene.
   explicit World(const Scene& scene, const Settings& settings = {});
+  /// Shares the scene instead, with its caller and with other worlds. Nothing may change it as long as they
+  /// live. Throws InputError on null, too.
+  explicit World(std::shared_ptr<const Scene> scene, const Settings& settings = {});
   ~World();
   World(World&&) noexcept;             ///< Moves the world; views of it become invalid.
   World& operator=(World&&) noexcept;  ///< Moves the world; views of both become invalid.
@@ -357,9 +358,8 @@ class PLUMB_API World {
   /// Copies the motions of all bodies into `out`. Throws InputError unless it has body_count() elements.
   void copy_motions(std::span<BodyMotion> out) const;
 
-  /// Returns a 64-bit FNV-1a hash of all positions and displacements, in the scene's order. Springs,
-  /// multipliers and featherstone hash velocities instead of displacements. It is equal for every instruction
-  /// set and number of threads.
+  /// Returns a 64-bit FNV-1a hash of all positions and displacements, in the scene's order, or velocities
+  /// under springs, multipliers and featherstone. It is equal for every instruction set and thread count.
   std::uint64_t state_hash() const;
 
   /// Returns how many bytes save() takes now. Contacts and what breaks change that from step to step. Throws

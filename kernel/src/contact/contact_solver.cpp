@@ -5,7 +5,6 @@
 #include <map>
 
 #include "contact/linkage/linkage_bounds.hpp"
-#include "contact/linkage/scene_parts.hpp"
 #include "contact/relaxed/relaxed_stepper.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 
@@ -44,14 +43,15 @@ std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, cons
 
 // --- Layout
 
-ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
+ContactSolver::ContactSolver(std::shared_ptr<const Scene> scene, const SceneParts& parts,
+                             const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
       relaxes_(settings.method == Method::relax),
       sleep_(settings.sleep),
       sleep_time_(settings.sleep_time),
       settings_(scaled(settings.contact)),
       time_order_(time_order_of(settings)),
-      surroundings_(scene),
+      surroundings_(*scene),
       is_controlled_(settings.accuracy.has_value()),
       gradient_(gradient_for(settings)) {
   for (unsigned part = 0; part < settings.threads; ++part)
@@ -62,11 +62,12 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
     if (plain && part.capsules.empty()) continue;
-    if ((plain || relaxes_) && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
+    const bool is_lumped = mass_model_of(settings) == MassModel::lumped && (plain || relaxes_);
+    if (is_lumped) lump_masses(part);
     Array<double> numbers = likeness(part);
     const auto [first, last] = kinds.equal_range(numbers);
     const auto like = std::find_if(first, last, [&](const auto& of) { return is_of_kind(of.second, part); });
-    const std::size_t kind = like != last ? like->second : add_kind(part);
+    const std::size_t kind = like != last ? like->second : add_kind(part, {scene, parts.names(p), is_lumped});
     if (like == last) kinds.emplace(std::move(numbers), kind);
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*linkages_[kind], number, part).particles = parts.particles(p);

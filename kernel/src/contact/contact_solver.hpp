@@ -9,6 +9,7 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
 #include "contact/edits/given_numbers.hpp"
+#include "contact/edits/kept_part.hpp"
 #include "contact/edits/meeting.hpp"
 #include "contact/edits/part_edits.hpp"
 #include "contact/grabs/linkage_grabs.hpp"
@@ -35,7 +36,7 @@ namespace plumb::detail {
 class ContactSolver final : public Solver {
  public:
   /// Takes the islands of `parts` that have shapes, bodies, joints or air.
-  ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings);
+  ContactSolver(std::shared_ptr<const Scene> scene, const SceneParts& parts, const Settings& settings);
 
   /// Tells that solver number `number` of the world is the home of an island, with its movable particles at
   /// `slots`.
@@ -319,7 +320,7 @@ class ContactSolver final : public Solver {
   std::size_t kind_number(const LinkageState& state) const;
   std::size_t kind_like(const Scene& part);
   bool is_of_kind(std::size_t kind, const Scene& part) const;
-  std::size_t add_kind(const Scene& part);
+  std::size_t add_kind(const Scene& part, KeptPart kept);
   void make_room(std::uint32_t count);
   std::uint32_t begin_island(std::size_t kind, const Scene& part, bool plain);
   ShapeId id_of(std::uint32_t island, std::uint32_t shape) const;
@@ -365,7 +366,7 @@ class ContactSolver final : public Solver {
   ContactSettings settings_;  ///< multiplied by their length scale
   std::uint32_t time_order_;
   Surroundings surroundings_;
-  Array<Scene> parts_;  ///< of linkages: one island that is of this kind
+  Array<KeptPart> parts_;  ///< of linkages: one island that is of this kind
   Array<std::unique_ptr<Linkage>> linkages_;
   Array<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
   Array<std::uint64_t> sums_;  ///< by linkage: over the likeness of its islands

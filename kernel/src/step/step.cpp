@@ -43,24 +43,25 @@ Settings with_threads(Settings settings, unsigned threads) {
 
 }  // namespace
 
-Step::Step(const Scene& scene, const Settings& settings)
+Step::Step(std::shared_ptr<const Scene> shared, const Settings& settings)
     : settings_(settings),
       thresholds_(thresholds_of(settings.executor)),
       workers_(settings),
-      compiled_(compile(scene, with_threads(settings, workers_.size()))),
-      anchors_(scene, compiled_.solvers.size()),
-      lengths_(scene),
-      reeled_(reeled_rods(scene)),
-      twisted_(twisted_rods(scene)),
-      loads_(scene),
-      reactions_(scene, settings),
-      origin_(std::make_unique<const Origin>(Origin{scene, settings})),
-      breaks_(origin_->scene, settings),
-      gravity_(scene.gravity),
+      compiled_(compile(shared, with_threads(settings, workers_.size()))),
+      anchors_(*shared, compiled_.solvers.size()),
+      lengths_(*shared),
+      reeled_(reeled_rods(*shared)),
+      twisted_(twisted_rods(*shared)),
+      loads_(*shared),
+      reactions_(*shared, settings),
+      origin_{std::move(shared), settings},
+      breaks_(first_scene(), settings),
+      gravity_(first_scene().gravity),
       next_gravity_(gravity_),
-      population_(population_of(scene)),
-      rods_(scene),
+      population_(population_of(first_scene())),
+      rods_(first_scene()),
       reports_(workers_.size()) {
+  const Scene& scene = first_scene();
   rules_.substeps = settings.substeps;
   rules_.most_work = settings.most_work;
   measure_size(scene);

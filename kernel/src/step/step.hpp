@@ -39,9 +39,9 @@ struct Standing {
 /// Holds a compiled scene and steps it.
 class Step : public InMemory {
  public:
-  /// Compiles the scene, which is valid already, as are the settings. Throws InputError if the settings'
-  /// method cannot move it.
-  Step(const Scene& scene, const Settings& settings);
+  /// Compiles the scene, which is valid already, as are the settings, and which nobody changes. Throws
+  /// InputError if the settings' method cannot move it.
+  Step(std::shared_ptr<const Scene> shared, const Settings& settings);
 
   /// Asks the load for its forces in a step of dt (s) from `time` (s) on. What it throws is before the step.
   void ask_load(double time, double dt);
@@ -94,7 +94,7 @@ class Step : public InMemory {
 
   std::uint32_t reel_cord(std::uint32_t reel) const { return first_line + reel; }
   std::uint32_t tackle_cord(std::uint32_t tackle) const {
-    return first_line + static_cast<std::uint32_t>(origin_->scene.reels.size()) + tackle;
+    return first_line + static_cast<std::uint32_t>(first_scene().reels.size()) + tackle;
   }
   const Tackle& tackle(std::uint32_t number) const { return breaks_.scene_now().tackles[number]; }
 
@@ -150,8 +150,8 @@ class Step : public InMemory {
   /// edits take before new ones.
   void make_room(const ByKind<std::uint32_t>& more);
   const Population& population() const { return population_; }
-  double drag() const { return origin_->scene.drag; }
-  double joint_drag() const { return origin_->scene.joint_drag; }
+  double drag() const { return first_scene().drag; }
+  double joint_drag() const { return first_scene().joint_drag; }
 
   bool has_contact() const { return compiled_.contact != nullptr; }
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
@@ -176,7 +176,7 @@ class Step : public InMemory {
   Array<Problem> problems(double most_strain) const;
   std::span<const Event> events() const { return events_.all(); }
 
-  const Scene& first_scene() const { return origin_->scene; }  ///< with which it began
+  const Scene& first_scene() const { return *origin_.scene; }  ///< with which it began
   /// Returns the scene with what was added since, of which some may have been removed.
   const Scene& scene() const { return breaks_.scene_now(); }
   Standing standing(std::uint32_t particle) const;
@@ -360,10 +360,10 @@ class Step : public InMemory {
   Reactions reactions_;
   /// What islands that fell apart or are edited were made of.
   struct Origin {
-    Scene scene;
+    std::shared_ptr<const Scene> scene;
     Settings settings;
   };
-  std::unique_ptr<const Origin> origin_;
+  const Origin origin_;
   Breaks breaks_;  ///< of its scene
   Edits edits_;    ///< those that wait for the next step
   Vec3 gravity_, next_gravity_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "relax/plan.hpp"
@@ -30,12 +32,18 @@ void require_length(const char* what, std::uint32_t number, double target) {
 
 }  // namespace
 
-World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>(settings.memory)) {
+World::World(const Scene& scene, const Settings& settings)
+    : World(std::make_shared<const Scene>(scene), settings) {}
+
+World::World(std::shared_ptr<const Scene> shared, const Settings& settings)
+    : impl_(std::make_unique<Impl>(settings.memory)) {
+  if (!shared) refuse("a world needs a scene, and there is none");
+  const Scene& scene = *shared;
   validate(scene);
   Impl::require_sound(settings);
   detail::require_addressable(scene.particles.size(), scene.rods.size());
   if (settings.most_memory) impl_->memory.bound(*settings.most_memory, estimate_memory(scene, settings));
-  impl_->step.make(scene, settings);
+  impl_->step.make(std::move(shared), settings);
   impl_->memory.end_bound();
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);

@@ -111,6 +111,9 @@ Scene make_rope(const RopeShape& shape) {
       shape.coil > 0
           ? 2 * std::asin(std::sqrt(shape.length * shape.length - climb * climb) / (2 * shape.coil))
           : 0;
+  scene.particles.reserve(shape.links + std::size_t{1});
+  scene.rods.reserve(shape.links);
+  scene.capsules.reserve(shape.links);
   add_rope(scene, shape.links, link, [&](std::uint32_t i) {
     if (shape.coil == 0)
       return Vec3{shape.length * i, low + ripple * std::sin(0.7 * i), ripple * std::cos(1.3 * i)};

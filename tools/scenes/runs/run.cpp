@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -161,17 +162,18 @@ void require_lengths(const Scene& scene, const RunPlan& plan) {
 /// A world on its way through a plan, with what is measured of it.
 class Run {
  public:
-  Run(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth, const RunObserver& observer)
-      : scene_(scene),
+  Run(const std::shared_ptr<const Scene>& shared, const RunPlan& plan, std::span<const Frame> truth,
+      const RunObserver& observer)
+      : scene_(*shared),
         plan_(plan),
         observer_(observer),
         frames_(count_frames(plan)),
         save_(frames_to_save(observer, plan, frames_)),
-        compare_(frames_to_compare(truth, plan, frames_, scene.particles.size())),
-        world_(scene, plan.settings),
-        now_(make_frame(scene, plan.settings)),
+        compare_(frames_to_compare(truth, plan, frames_, scene_.particles.size())),
+        world_(shared, plan.settings),
+        now_(make_frame(scene_, plan.settings)),
         result_{.info = world_.info()} {
-    require_lengths(scene, plan);
+    require_lengths(scene_, plan);
     world_.set_budget(plan.step_budget_us);
     if (plan.times_stages)
       world_.set_zones([this](std::string_view stage, bool begins) { time_stage(stage, begins); });
@@ -318,9 +320,14 @@ class Run {
 
 }  // namespace
 
+RunResult run_scene(const std::shared_ptr<const Scene>& scene, const RunPlan& plan,
+                    std::span<const Frame> truth, const RunObserver& observer) {
+  return Run(scene, plan, truth, observer).whole();
+}
+
 RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth,
                     const RunObserver& observer) {
-  return Run(scene, plan, truth, observer).whole();
+  return run_scene(std::make_shared<const Scene>(scene), plan, truth, observer);
 }
 
 }  // namespace plumb::scenes

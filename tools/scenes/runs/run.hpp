@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -104,11 +105,15 @@ std::optional<std::uint64_t> frame_at(double t, double dt);
 /// one.
 std::uint64_t count_frames(const RunPlan& plan);
 
-/// Steps a new world through the plan and measures it at every frame's end. Positions are compared with those
-/// times of `truth` that are frame ends. Throws what World throws. Before the first step it throws InputError
-/// if a time to be saved is no frame end or comes after the end. It also does so if the truth has another
-/// number of particles, or none of its times can be compared. So it does if the snapshot to go on from cannot
-/// be read, is of another scene or other settings, or leaves no frame to be stepped.
+/// Steps a new world, which shares the scene, through the plan and measures it at every frame's end.
+/// Positions are compared with those times of `truth` that are frame ends. Throws what World throws. Before
+/// the first step it throws InputError if a time to be saved is no frame end or comes after the end. It also
+/// does so if the truth has another number of particles, or none of its times can be compared. So it does if
+/// the snapshot to go on from cannot be read, is of another scene or other settings, or leaves no frame to be
+/// stepped.
+RunResult run_scene(const std::shared_ptr<const Scene>& scene, const RunPlan& plan,
+                    std::span<const Frame> truth = {}, const RunObserver& observer = {});
+/// Does so with a copy of the scene, which has the world as well as the caller.
 RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth = {},
                     const RunObserver& observer = {});
 

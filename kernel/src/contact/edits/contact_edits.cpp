@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/scene_parts.hpp"
@@ -83,7 +84,7 @@ void LinkageState::keep_torsion(const LinkageState& from, std::uint32_t old, std
 NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
   NamedPart out;
-  out.scene = parts_[kind];
+  out.scene = parts_[kind].scene();
   out.scene.gravity = linkages_[kind]->gravity();
   out.names = names_[island];
   out.names.particles = states_[island].particles;
@@ -215,19 +216,6 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   part.end_torn_capsules(&before);
 }
 
-namespace {
-
-/// Returns whether two parts stand alike, to the last bit, wherever they are.
-bool stand_alike(const Scene& one, const Scene& other) {
-  for (std::size_t k = 1; k < one.particles.size(); ++k)
-    if (one.particles[k].position - one.particles[0].position !=
-        other.particles[k].position - other.particles[0].position)
-      return false;
-  return true;
-}
-
-}  // namespace
-
 /// Returns whether a part that is like a kind is of it. How a part stands may forbid motions twice, as of a
 /// line between two anchors that is straight. A kind is made for that, by how its first part stood.
 bool ContactSolver::is_of_kind(std::size_t kind, const Scene& part) const {
@@ -236,7 +224,7 @@ bool ContactSolver::is_of_kind(std::size_t kind, const Scene& part) const {
   Array<Vec3> x;
   for (const Particle& particle : part.particles) x.push_back(particle.position);
   const bool is_redundant = of.is_redundant_at(x);
-  return is_redundant == of.is_redundant() && (!is_redundant || stand_alike(parts_[kind], part));
+  return is_redundant == of.is_redundant() && (!is_redundant || parts_[kind].stands_like(part));
 }
 
 /// Returns a kind that is like a part, if there is one, or makes it.
@@ -245,16 +233,17 @@ std::size_t ContactSolver::kind_like(const Scene& part) {
   const auto sum_over = [](const Array<double>& of) { return sum_of(std::as_bytes(std::span(of)), {}); };
   const std::uint64_t sum = sum_over(numbers);
   while (sums_.size() < parts_.size())  // those that the world began with
-    sums_.push_back(sum_over(likeness(parts_[sums_.size()])));
+    sums_.push_back(sum_over(likeness(parts_[sums_.size()].scene())));
   for (std::size_t kind = 0; kind < parts_.size(); ++kind)
-    if (sums_[kind] == sum && likeness(parts_[kind]) == numbers && is_of_kind(kind, part)) return kind;
-  const std::size_t kind = add_kind(part);
+    if (sums_[kind] == sum && likeness(parts_[kind].scene()) == numbers && is_of_kind(kind, part))
+      return kind;
+  const std::size_t kind = add_kind(part, KeptPart(part));
   sums_.resize(parts_.size());
   sums_[kind] = sum;
   return kind;
 }
 
-std::size_t ContactSolver::add_kind(const Scene& part) {
+std::size_t ContactSolver::add_kind(const Scene& part, KeptPart kept) {
   // One that no island has any more, or a new one.
   const auto kind = static_cast<std::size_t>(std::find(uses_.begin(), uses_.end(), 0u) - uses_.begin());
   if (kind == uses_.size()) {
@@ -264,7 +253,7 @@ std::size_t ContactSolver::add_kind(const Scene& part) {
   }
   const auto use = relaxes_ ? Linkage::Use::relaxed : Linkage::Use::solved;
   linkages_[kind] = std::make_unique<Linkage>(part, isa_, use);
-  parts_[kind] = part;
+  parts_[kind] = std::move(kept);
   return kind;
 }
 

@@ -59,7 +59,7 @@ IslandGrabs& ContactSolver::grabs_of(std::uint32_t island) {
 /// Makes a kind of its own for an island with these grabs, and lets it go on as one.
 void ContactSolver::make_kind(IslandGrabs& of) {
   LinkageState& state = states_[of.island];
-  Scene part = parts_[of.kind];
+  Scene part = parts_[of.kind].scene();
   part.gravity = linkages_[of.kind]->gravity();
   Array<Combination> sums;
   for (const IslandGrabs::One& each : of.all) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <type_traits>
 #include <vector>
 
@@ -199,113 +200,95 @@ Array<double> likeness(const Scene& part) {
   return Likeness(part).numbers();
 }
 
+Scene part_of(const Scene& whole, const Names& names) {
+  Scene out;
+  out.gravity = whole.gravity;
+  out.drag = whole.drag;
+  out.joint_drag = whole.joint_drag;
+  const auto begin = names.particles.begin(), end = names.particles.end();
+  const auto is_fixed = [&](std::uint32_t particle) { return whole.particles[particle].fixed; };
+  const auto fixed = std::partition_point(begin, end, std::not_fn(is_fixed));
+  const auto place_in = [&](auto first, auto last, std::uint32_t particle) {
+    const auto at = std::lower_bound(first, last, particle);
+    return at != last && *at == particle ? static_cast<std::uint32_t>(at - begin) : 0;
+  };
+  const auto renumber = [&](std::uint32_t& particle) {
+    if (particle >= whole.particles.size()) particle = 0;  // Places have slots that nobody reads.
+    particle = is_fixed(particle) ? place_in(fixed, end, particle) : place_in(begin, fixed, particle);
+  };
+  for_lists(
+      [&](std::size_t kind, auto& to, const auto& from) {
+        to.reserve(names.all()[kind]->size());
+        for (const std::uint32_t number : *names.all()[kind])
+          for_particles(to.emplace_back(from[number]), renumber);
+      },
+      out, whole);
+  for (std::size_t i = 0; i < out.rods.size(); ++i) out.rods[i].length = rod_length(whole, names.rods[i]);
+  for (Hull& hull : out.hulls) {
+    const auto body = std::lower_bound(names.bodies.begin(), names.bodies.end(), hull.body);
+    hull.body = static_cast<std::uint32_t>(body - names.bodies.begin());
+  }
+  return out;
+}
+
 SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
   const Bonds bonds(scene);
   const layouts::Islands islands = layouts::find_islands(bonds.view());
   const std::uint32_t count = islands.count();
   island_of_.assign(scene.particles.size(), none);
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (const std::uint32_t particle : islands.vertices(i))
-      if (!scene.particles[particle].fixed) island_of_[particle] = i;
-  parts_.resize(count);
-  particles_.resize(count);
+  names_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto vertices = islands.vertices(i);
-    Array<std::uint32_t>& order = particles_[i];
-    for (const bool fixed : {false, true})
-      for (const std::uint32_t particle : vertices)
-        if (scene.particles[particle].fixed == fixed) order.push_back(particle);
-    parts_[i].gravity = scene.gravity;
-    parts_[i].drag = scene.drag;
-    parts_[i].joint_drag = scene.joint_drag;
-    for (const std::uint32_t particle : order) parts_[i].particles.push_back(scene.particles[particle]);
+    names_[i].particles.assign(vertices.begin(), vertices.end());
+    for (const std::uint32_t particle : vertices)
+      if (!scene.particles[particle].fixed) island_of_[particle] = i;
   }
   hand_out();
+  parts_.reserve(count);
+  for (const Names& names : names_) parts_.push_back(part_of(scene, names));
 }
 
-template <class Item>
-void SceneParts::hand(const Item& item, std::uint32_t island, std::vector<Item>& to, Array<Share>& shares) {
-  shares.push_back({island, static_cast<std::uint32_t>(to.size())});
-  to.push_back(item);
+/// Hands out the items of a list to the islands that `owner` says.
+template <class Item, class Owner>
+void SceneParts::hand_out(const std::vector<Item>& list, Owner&& owner) {
+  Array<Share>& shares = *shares_.all()[kind_of<Item>()];
+  shares.reserve(list.size());
+  for (std::uint32_t i = 0; i < list.size(); ++i) {
+    const std::uint32_t island = owner(list[i]);
+    if (island == none) {
+      shares.push_back({none, 0});
+      continue;
+    }
+    Array<std::uint32_t>& names = *names_[island].all()[kind_of<Item>()];
+    shares.push_back({island, static_cast<std::uint32_t>(names.size())});
+    names.push_back(i);
+  }
 }
 
 void SceneParts::hand_out() {
-  local_.assign(scene_.particles.size(), 0);
-  for (std::uint32_t i = 0; i < count(); ++i)
-    for (std::uint32_t p = 0; p < particles_[i].size(); ++p)
-      if (!scene_.particles[particles_[i][p]].fixed) local_[particles_[i][p]] = p;
-  for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
-    Rod rod = scene_.rods[i];
-    const std::uint32_t island = movable_of({{rod.a, rod.b, 0, 0}, {1, 1, 0, 0}});
-    rod.length = rod_length(scene_, i);
-    rod.a = local(island, rod.a);
-    rod.b = local(island, rod.b);
-    hand(rod, island, parts_[island].rods, shares_.rods);
-  }
-  for (Body body : scene_.bodies) {
-    const std::uint32_t island = movable_of({body.particles, {1, 1, 1, 1}});
-    if (island == none) {  // part of the ground
-      shares_.bodies.push_back({none, 0});
-      continue;
-    }
-    for (std::uint32_t& particle : body.particles) particle = local(island, particle);
-    hand(body, island, parts_[island].bodies, shares_.bodies);
-  }
-  hand_out_joints();
-  for (Capsule each : scene_.capsules) {
-    if (is_anchored(scene_, each)) {  // ground
-      shares_.capsules.push_back({none, 0});
-      continue;
-    }
-    const std::uint32_t island = island_of(each.a, each.b);
-    each.a = local(island, each.a);
-    each.b = local(island, each.b);
-    hand(each, island, parts_[island].capsules, shares_.capsules);
-  }
-  for (Hull each : scene_.hulls) {
-    const auto [island, number] = shares_.bodies[each.body];
+  const auto of_places = [&](const auto& each) { return island_of(each.a, each.b); };
+  const auto of_directions = [&](const auto& each) {
+    return island_of(each.u.from, each.u.to, each.v.from, each.v.to);
+  };
+  hand_out(scene_.rods, [&](const Rod& rod) { return movable_of({{rod.a, rod.b, 0, 0}, {1, 1, 0, 0}}); });
+  hand_out(scene_.bodies, [&](const Body& body) { return movable_of({body.particles, {1, 1, 1, 1}}); });
+  hand_out(scene_.pins, of_places);
+  hand_out(scene_.alignments, of_directions);
+  hand_out(scene_.angles, of_directions);
+  hand_out(scene_.springs, of_places);
+  hand_out(scene_.torsions, [&](const Torsion& each) {
+    return island_of(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to);
+  });
+  hand_out(scene_.bends, [&](const Bend& bend) { return movable_of({{bend.a, bend.b, bend.c}, {1, 1, 1}}); });
+  // Those of fixed particles alone are ground.
+  hand_out(scene_.capsules,
+           [&](const Capsule& capsule) { return is_anchored(scene_, capsule) ? none : of_places(capsule); });
+  hand_out(scene_.hulls, [&](const Hull& hull) {
+    const std::uint32_t island = shares_.bodies[hull.body].part;
     if (island == none)
-      refuse("hull ", shares_.hulls.size(), ": its body ", each.body, " cannot move; use ground hulls");
-    each.body = number;
-    hand(each, island, parts_[island].hulls, shares_.hulls);
-  }
-}
-
-void SceneParts::hand_out_joints() {
-  for (const Pin& each : scene_.pins) {
-    const std::uint32_t island = island_of(each.a, each.b);
-    hand(Pin{local(island, each.a), local(island, each.b)}, island, parts_[island].pins, shares_.pins);
-  }
-  for (const Alignment& each : scene_.alignments) {
-    const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
-    hand(Alignment{local(island, each.u), local(island, each.v)}, island, parts_[island].alignments,
-         shares_.alignments);
-  }
-  for (AngleControl each : scene_.angles) {
-    const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
-    each.u = local(island, each.u);
-    each.v = local(island, each.v);
-    hand(each, island, parts_[island].angles, shares_.angles);
-  }
-  for (Spring each : scene_.springs) {
-    const std::uint32_t island = island_of(each.a, each.b);
-    each.a = local(island, each.a);
-    each.b = local(island, each.b);
-    hand(each, island, parts_[island].springs, shares_.springs);
-  }
-  for (Torsion each : scene_.torsions) {
-    const std::uint32_t island =
-        island_of(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to);
-    each.axis = local(island, each.axis);
-    each.u = local(island, each.u);
-    each.v = local(island, each.v);
-    hand(each, island, parts_[island].torsions, shares_.torsions);
-  }
-  for (Bend each : scene_.bends) {
-    const std::uint32_t island = movable_of({{each.a, each.b, each.c}, {1, 1, 1}});
-    for (std::uint32_t* const particle : {&each.a, &each.b, &each.c}) *particle = local(island, *particle);
-    hand(each, island, parts_[island].bends, shares_.bends);
-  }
+      refuse("hull ", shares_.hulls.size(), ": its body ", hull.body, " cannot move; use ground hulls");
+    return island;
+  });
 }
 
 std::uint32_t SceneParts::movable_of(const Point& point) const {
@@ -320,19 +303,6 @@ std::uint32_t SceneParts::island_of(const Points&... points) const {
   ((out = out == none ? movable_of(points) : out), ...);
   if (out == none) refuse("a joint on fixed particles alone moves nothing");
   return out;
-}
-std::uint32_t SceneParts::local(std::uint32_t island, std::uint32_t particle) const {
-  if (!scene_.particles[particle].fixed) return local_[particle];
-  const auto& order = particles_[island];
-  return static_cast<std::uint32_t>(std::find(order.begin(), order.end(), particle) - order.begin());
-}
-Point SceneParts::local(std::uint32_t island, Point point) const {
-  for (std::size_t i = 0; i < 4; ++i)
-    point.particles[i] = point.weights[i] == 0 ? 0 : local(island, point.particles[i]);
-  return point;
-}
-Direction SceneParts::local(std::uint32_t island, const Direction& direction) const {
-  return {local(island, direction.from), local(island, direction.to)};
 }
 
 }  // namespace plumb::detail

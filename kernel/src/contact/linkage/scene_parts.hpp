@@ -10,6 +10,10 @@
 
 namespace plumb::detail {
 
+/// Returns what is named of a scene as a scene of its own. Particles are named as SceneParts has them:
+/// movable ones first, and both in ascending order.
+Scene part_of(const Scene& whole, const Names& names);
+
 /// Cuts a scene into its islands, each a scene of its own with the movable particles first. Fixed particles
 /// are in every island that hangs from them. Throws InputError on a joint or shape that nothing movable has.
 class SceneParts {
@@ -18,8 +22,9 @@ class SceneParts {
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
   const Scene& part(std::uint32_t i) const { return parts_[i]; }
-  /// Returns the numbers of an island's particles in the whole scene.
-  const Array<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
+  /// Returns the numbers of what an island has in the whole scene.
+  const Names& names(std::uint32_t i) const { return names_[i]; }
+  const Array<std::uint32_t>& particles(std::uint32_t i) const { return names_[i].particles; }
 
   /// Names what a part has of the whole scene: the part's number, and its own number there.
   struct Share {
@@ -30,22 +35,18 @@ class SceneParts {
 
  private:
   void hand_out();
-  void hand_out_joints();
-  template <class Item>
-  static void hand(const Item& item, std::uint32_t island, std::vector<Item>& to, Array<Share>& shares);
+  template <class Item, class Owner>
+  void hand_out(const std::vector<Item>& list, Owner&& owner);
   std::uint32_t movable_of(const Point& point) const;
   template <class... Points>
   std::uint32_t island_of(const Points&... points) const;
-  std::uint32_t local(std::uint32_t island, std::uint32_t particle) const;
-  Point local(std::uint32_t island, Point point) const;
-  Direction local(std::uint32_t island, const Direction& direction) const;
 
   static constexpr std::uint32_t none = 0xffffffff;
 
   const Scene& scene_;
-  Array<std::uint32_t> island_of_, local_;  ///< by particle
+  Array<std::uint32_t> island_of_;  ///< by particle
+  Array<Names> names_;
   Array<Scene> parts_;
-  Array<Array<std::uint32_t>> particles_;
   ByKind<Array<Share>> shares_;
 };
 

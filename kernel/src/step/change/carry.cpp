@@ -31,7 +31,7 @@ bool move_alike(const Settings& one, const Settings& other) {
 }  // namespace
 
 void Step::carry(const Step& from) {
-  is_to_fit_ = from.is_to_fit_ || !move_alike(from.origin_->settings, settings_);
+  is_to_fit_ = from.is_to_fit_ || !move_alike(from.origin_.settings, settings_);
   has_broken_ = false;
   carry_inputs(from);
   carry_motion(from);

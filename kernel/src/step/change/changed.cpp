@@ -42,15 +42,15 @@ bool is_reference(Method method) {
 std::unique_ptr<Step> Step::changed(const Settings& settings) const {
   require_takeable(has_archive(), settings_, "that of now");
   require_takeable(!is_reference(settings.method), settings, "the new one");
-  const bool are_same = are_alike(origin_->settings, settings);
+  const bool are_same = are_alike(origin_.settings, settings);
   if (!are_same)
     for (const auto& [what, count] :
-         {std::pair("twist", origin_->scene.twists.size()), std::pair("reel", origin_->scene.reels.size())})
+         {std::pair("twist", first_scene().twists.size()), std::pair("reel", first_scene().reels.size())})
       if (count > 0)
         refuse("settings: ", what,
                " 0 has a past that islands keep for themselves: no more than substeps, most_work, stop, "
                "weights, omega, contact, sleep, sleep_time, isa, threads and executor can change");
-  auto out = std::make_unique<Step>(origin_->scene, settings);
+  auto out = std::make_unique<Step>(origin_.scene, settings);
   require_takeable(out->has_archive(), settings, "the new one");
   if (are_same) {
     Population population = population_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,10 +39,10 @@ class Compiler {
         islands_(find_bent_islands(scene, graph_)),
         elements_(scene, islands_) {}
 
-  Compiled make() {
+  Compiled make(const std::shared_ptr<const Scene>& whole) {
     require_laws_moved(scene_, settings_);
     require_springs_moved(scene_, settings_.method);
-    if (needs_contact_stage(scene_)) make_contact();
+    if (needs_contact_stage(scene_)) make_contact(whole);
     require_elements_moved();
     const Array<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
@@ -72,10 +73,10 @@ class Compiler {
     return is_read;
   }
 
-  void make_contact() {
+  void make_contact(const std::shared_ptr<const Scene>& whole) {
     const SceneParts parts(scene_);
     if (method_row(settings_.method).make_jointed) return make_jointed(parts);
-    contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
+    contact_ = std::make_unique<ContactSolver>(whole, parts, settings_);
     find_jointed(parts);
     start_.projected_velocity = contact_->project_initial_velocities();
     out_.info.direct_gradient = settings_.gradient.value_or(Gradient::old);
@@ -314,8 +315,8 @@ class Compiler {
 
 }  // namespace
 
-Compiled compile(const Scene& scene, const Settings& settings) {
-  return Compiler(scene, settings).make();
+Compiled compile(const std::shared_ptr<const Scene>& scene, const Settings& settings) {
+  return Compiler(*scene, settings).make(scene);
 }
 
 Compiled compile_parts(const Scene& parts, const Settings& settings, const Compiled& whole) {

@@ -25,7 +25,7 @@ struct Compiled {
 
 /// Cuts a valid scene into islands, chooses what moves each, and makes the solvers. Settings::threads must be
 /// the number of threads that steps will have.
-Compiled compile(const Scene& scene, const Settings& settings);
+Compiled compile(const std::shared_ptr<const Scene>& scene, const Settings& settings);
 
 /// Does so with islands of rods and elements that were part of a scene compiled before. What refuses a scene
 /// was asked then. Solvers are not started: set_motion() hands them how islands move.

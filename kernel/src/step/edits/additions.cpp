@@ -15,8 +15,8 @@ namespace plumb::detail {
 Scene Step::scene_of(const Addition& of) const {
   Scene out = of.scene;
   out.gravity = gravity_;
-  out.drag = origin_->scene.drag;
-  out.joint_drag = origin_->scene.joint_drag;
+  out.drag = drag();
+  out.joint_drag = joint_drag();
   return out;
 }
 
@@ -51,7 +51,7 @@ void Step::make_room(const ByKind<std::uint32_t>& more) {
 /// Takes as many particles and cords everywhere as there are numbers.
 void Step::grow_tables() {
   const std::uint32_t particles = population_.particles.count(), rods = population_.rods.count();
-  const std::size_t lines = origin_->scene.reels.size() + population_.tackles.count();
+  const std::size_t lines = first_scene().reels.size() + population_.tackles.count();
   compiled_.places.grow(particles);
   compiled_.cords.rods.grow(rods);
   compiled_.cords.lines.grow(static_cast<std::uint32_t>(lines));

@@ -161,7 +161,7 @@ Settings Step::settings_of_now() const {
   settings.threads = workers_.size();
   settings.substeps = rules_.substeps;  // which a budget may have made fewer
   // Solvers are made for the accuracy that the world began with, or its snapshots would not fit.
-  settings.accuracy = origin_->settings.accuracy;
+  settings.accuracy = origin_.settings.accuracy;
   return settings;
 }
 

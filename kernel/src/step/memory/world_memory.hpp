@@ -69,9 +69,9 @@ class StepInMemory {
 
   Call operator->() const { return {step_.get(), memory_}; }
   const Step& operator*() const { return *step_; }  ///< for what reads alone and allocates nothing
-  void make(const Scene& scene, const Settings& settings) {
+  void make(std::shared_ptr<const Scene> scene, const Settings& settings) {
     const MemoryScope scope(&memory_);
-    step_ = std::make_unique<Step>(scene, settings);
+    step_ = std::make_unique<Step>(std::move(scene), settings);
   }
   void operator=(std::unique_ptr<Step> step) { step_ = std::move(step); }
 

@@ -21,7 +21,7 @@ std::unique_ptr<Step> Step::restored_past(Archive& archive) {
   if (log_.is_of(splits) && population == population_ && seats == seats_.size() &&
       islands == contact_islands())
     return {};
-  auto out = std::make_unique<Step>(origin_->scene, origin_->settings);
+  auto out = std::make_unique<Step>(origin_.scene, origin_.settings);
   out->relive(std::move(splits), population, seats, islands);
   out->loads_.take_load(loads_);
   out->budget_ = budget_;
