@@ -15,7 +15,7 @@ namespace plumb::test {
 struct Linkages {
   explicit Linkages(const Scene& scene) : parts(scene) {
     for (std::uint32_t i = 0; i < parts.count(); ++i) {
-      const Scene& part = parts.part(i);
+      const Scene part = parts.part(i);
       kinds.push_back(std::make_unique<detail::Linkage>(part, Isa::scalar));
       states.emplace_back(*kinds.back(), i, part).particles = parts.particles(i);
     }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "contact/cluster_island.hpp"
 #include "contact/cluster_rows.hpp"
 #include "contact/contact_solver.hpp"

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "scenes/generators/generators.hpp"
 #include "step/compile/compiled.hpp"
@@ -21,9 +22,13 @@ namespace {
 
 const Settings direct{.method = Method::direct, .threads = 1};
 
+std::shared_ptr<const Scene> shared(const Scene& scene) {
+  return std::make_shared<const Scene>(scene);
+}
+
 TEST(Compile, FindsAPlaceForEveryParticle) {
   const Scene scene = scenes::make_net(4, 3);
-  const Compiled compiled = compile(scene, direct);
+  const Compiled compiled = compile(shared(scene), direct);
   EXPECT_EQ(compiled.contact, nullptr) << "nothing can touch";
   EXPECT_EQ(compiled.info.rods, scene.rods.size());
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
@@ -32,13 +37,13 @@ TEST(Compile, FindsAPlaceForEveryParticle) {
   Scene ball;
   ball.particles = {test::movable({0, 0, 0})};
   ball.capsules = {{.a = point_at(0), .b = point_at(0), .radius = 0.1}};
-  EXPECT_NE(compile(ball, direct).contact, nullptr);
+  EXPECT_NE(compile(shared(ball), direct).contact, nullptr);
 }
 
 // An anchor goes to its target in the next step, and is there exactly afterwards.
 TEST(Anchors, ArriveExactly) {
   const Scene scene = scenes::make_chain(3);
-  Compiled compiled = compile(scene, direct);
+  Compiled compiled = compile(shared(scene), direct);
   Anchors anchors(scene, compiled.solvers.size());
   ASSERT_TRUE(anchors.is_fixed(0));
   EXPECT_FALSE(anchors.any_paths());
@@ -62,7 +67,7 @@ TEST(Anchors, ArriveExactly) {
 // What stands still falls asleep once it has stood for long enough without a break, and wakes if asked.
 TEST(Sleep, NeedsStillnessWithoutABreak) {
   const Scene scene = scenes::make_chain(3);
-  Compiled compiled = compile(scene, direct);
+  Compiled compiled = compile(shared(scene), direct);
   Sleep sleep;
   Settings settings = direct;
   settings.sleep_time = 0.5;
@@ -91,7 +96,7 @@ TEST(Sleep, NeedsStillnessWithoutABreak) {
 // A step is a world's, without its checks.
 TEST(Step, IsThatOfAWorld) {
   const Scene scene = scenes::make_chain(8);
-  Step step(scene, direct);
+  Step step(shared(scene), direct);
   World world(scene, direct);
   for (int i = 0; i < 10; ++i) {
     step.move_anchor(0, {0.01 * i, 0, 0});
@@ -106,7 +111,7 @@ TEST(Step, IsThatOfAWorld) {
 
 TEST(AdvancePiece, TakesEqualSubsteps) {
   const Scene scene = scenes::make_chain(8);
-  Compiled one = compile(scene, direct), other = compile(scene, direct);
+  Compiled one = compile(shared(scene), direct), other = compile(shared(scene), direct);
   Team team(1);
   StepReport by_rules;
   Tally by_hand;
@@ -126,7 +131,7 @@ TEST(AdvancePiece, TakesMoreSubstepsForLessError) {
   for (const double growth : {1e-2, 1e-4, 1e-6}) {
     Settings settings = direct;
     settings.accuracy = 1e-3;  // so that solvers keep what errors are estimated from
-    Compiled compiled = compile(scene, settings);
+    Compiled compiled = compile(shared(scene), settings);
     Team team(1);
     StepReport report;
     for (int i = 0; i < 5; ++i) {

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "scenes/generators/generators.hpp"
+#include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
@@ -106,6 +108,26 @@ TEST(World, IsReadInThreeWays) {
     EXPECT_EQ(world.velocities()[i], velocities[i]);
     EXPECT_EQ(world.velocity(i), velocities[i]);
   }
+}
+
+// Whether a world has a copy of its scene changes no bit. What is shared lives as long as anyone has it, and
+// scenes of now do not change it.
+TEST(World, SharesItsSceneOrCopiesIt) {
+  auto scene = std::make_shared<const Scene>(mixture());
+  World copy(*scene), one(scene), other(scene);
+  EXPECT_EQ(scene.use_count(), 3)
+      << "the test and two worlds; kinds of islands share it, too, if there are any";
+  scene.reset();
+  for (World* const world : {&copy, &one, &other}) {
+    world->cut(3);
+    world->step(1.0 / 60);
+    world->set_settings({.substeps = 2});
+    world->step(1.0 / 60);
+  }
+  EXPECT_EQ(one.state_hash(), copy.state_hash());
+  EXPECT_EQ(other.state_hash(), copy.state_hash());
+  EXPECT_EQ(test::refusal([] { World(std::shared_ptr<const Scene>()); }),
+            "a world needs a scene, and there is none");
 }
 
 TEST(World, MovesWithItsState) {
