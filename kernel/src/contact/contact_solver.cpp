@@ -69,11 +69,10 @@ ContactSolver::ContactSolver(std::shared_ptr<const Scene> scene, const ScenePart
     const auto like = std::find_if(first, last, [&](const auto& of) { return is_of_kind(of.second, part); });
     const std::size_t kind = like != last ? like->second : add_kind(part, {scene, parts.names(p), is_lumped});
     if (like == last) kinds.emplace(std::move(numbers), kind);
-    const auto number = static_cast<std::uint32_t>(states_.size());
+    const std::uint32_t number = number_of[p] = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*linkages_[kind], number, part).particles = parts.particles(p);
     ++uses_[kind];
     if (!plain) states_.back().gradient = gradient_;
-    number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);

@@ -162,7 +162,7 @@ void ContactSolver::replace(std::span<const std::uint32_t> islands, const NamedP
   const SceneParts parts(by.scene);
   Array<std::uint32_t> numbers(parts.count(), ended);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
-    const Scene& part = parts.part(p);
+    const Scene part = parts.part(p);
     const bool may_go_home = plain(parts, p);
     if (may_go_home && part.capsules.empty()) continue;
     numbers[p] = begin_island(kind_like(part), part, may_go_home);

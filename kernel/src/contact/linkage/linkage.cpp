@@ -116,6 +116,10 @@ void Linkage::color_rods() {
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {
+  const auto rigid = static_cast<std::size_t>(
+      std::count_if(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return rod.law.is_rigid(); }));
+  rods_.reserve(rigid);
+  giving_rods_.reserve(part.rods.size() - rigid);
   for (std::size_t i = 0; i < part.rods.size(); ++i) {
     const Rod& rod = part.rods[i];
     const double length = rod_length(part, i);

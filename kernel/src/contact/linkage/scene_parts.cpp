@@ -65,6 +65,7 @@ struct Bonds {
 class Likeness {
  public:
   explicit Likeness(const Scene& part) {
+    numbers_.reserve(2 * part.particles.size() + 12 * part.rods.size() + 25 * part.capsules.size() + 16);
     add(part.drag, part.joint_drag);
     for (const Particle& each : part.particles) add(each.mass, each.fixed);
     add(part.rods.size());
@@ -209,7 +210,10 @@ Scene part_of(const Scene& whole, const Names& names) {
   const auto is_fixed = [&](std::uint32_t particle) { return whole.particles[particle].fixed; };
   const auto fixed = std::partition_point(begin, end, std::not_fn(is_fixed));
   const auto place_in = [&](auto first, auto last, std::uint32_t particle) {
-    const auto at = std::lower_bound(first, last, particle);
+    // Most islands have particles in a row, and there is no need to search.
+    const std::size_t ahead = first != last && particle > *first ? particle - *first : 0;
+    auto at = first + static_cast<std::ptrdiff_t>(std::min<std::size_t>(ahead, last - first));
+    if (at == last || *at != particle) at = std::lower_bound(first, last, particle);
     return at != last && *at == particle ? static_cast<std::uint32_t>(at - begin) : 0;
   };
   const auto renumber = [&](std::uint32_t& particle) {
@@ -244,8 +248,6 @@ SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
       if (!scene.particles[particle].fixed) island_of_[particle] = i;
   }
   hand_out();
-  parts_.reserve(count);
-  for (const Names& names : names_) parts_.push_back(part_of(scene, names));
 }
 
 /// Hands out the items of a list to the islands that `owner` says.

@@ -15,13 +15,15 @@ namespace plumb::detail {
 Scene part_of(const Scene& whole, const Names& names);
 
 /// Cuts a scene into its islands, each a scene of its own with the movable particles first. Fixed particles
-/// are in every island that hangs from them. Throws InputError on a joint or shape that nothing movable has.
+/// are in every island that hangs from them. The scene must outlive this. Throws InputError on a joint or
+/// shape that nothing movable has.
 class SceneParts {
  public:
   explicit SceneParts(const Scene& scene);
 
-  std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
-  const Scene& part(std::uint32_t i) const { return parts_[i]; }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(names_.size()); }
+  /// Makes the scene of an island, which takes time by its size.
+  Scene part(std::uint32_t i) const { return part_of(scene_, names_[i]); }
   /// Returns the numbers of what an island has in the whole scene.
   const Names& names(std::uint32_t i) const { return names_[i]; }
   const Array<std::uint32_t>& particles(std::uint32_t i) const { return names_[i].particles; }
@@ -46,7 +48,6 @@ class SceneParts {
   const Scene& scene_;
   Array<std::uint32_t> island_of_;  ///< by particle
   Array<Names> names_;
-  Array<Scene> parts_;
   ByKind<Array<Share>> shares_;
 };
 

@@ -10,15 +10,17 @@ namespace plumb::detail {
 
 void ContactSolver::name(const SceneParts& parts, std::span<const std::uint32_t> number_of) {
   names_.resize(states_.size());
+  for (std::uint32_t part = 0; part < number_of.size(); ++part) {
+    if (number_of[part] == no_island) continue;
+    Names& names = names_[number_of[part]] = parts.names(part);
+    names.particles = {};  // which states know
+  }
   for (std::size_t kind = 0; kind < owners_.kinds; ++kind) {
     const Array<SceneParts::Share>& shares = *parts.shares().all()[kind];
     Array<Owner>& owners = *owners_.all()[kind];
-    for (std::uint32_t i = 0; i < shares.size(); ++i) {
-      const auto [part, number] = shares[i];
-      const std::uint32_t island = part < number_of.size() ? number_of[part] : no_island;
-      owners.push_back({island, number});
-      if (island != no_island) names_[island].all()[kind]->push_back(i);
-    }
+    owners.reserve(shares.size());
+    for (const auto& [part, number] : shares)
+      owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
   }
   std::uint32_t anchored = 0;
   for (Owner& owner : owners_.capsules)

@@ -51,6 +51,7 @@ void Linkage::find_taut_rods(const Scene& part) {
     for (const std::uint32_t end : {rod.a, rod.b})
       if (end < movable_) taut.over_mass += 1 / weights_[end];
   };
+  if (part.bodies.empty()) taut_rods_.reserve(rods_.size());
   for (const RodRow& rod : rods_) add({rod.a, rod.b, rod.row, rod.over2});
   for (std::size_t i = 0; i < elastics_.size(); ++i) {
     const Elastic& each = elastics_[i];

@@ -87,12 +87,13 @@ class Compiler {
   std::optional<std::uint32_t> find_jointed(const SceneParts& parts) {
     std::optional<std::uint32_t> first;
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      const bool plain = is_plain(parts.part(p));
-      if (plain && parts.part(p).capsules.empty()) continue;
+      const Scene part = parts.part(p);
+      const bool plain = is_plain(part);
+      if (plain && part.capsules.empty()) continue;
       if (!first) first = parts.particles(p).front();
       require_no_elements(parts.particles(p));
       if (plain) continue;
-      require_joints_moved(parts.part(p), parts.particles(p), settings_);
+      require_joints_moved(part, parts.particles(p), settings_);
       leave_out(parts.particles(p));
     }
     return first;
@@ -113,14 +114,15 @@ class Compiler {
   /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.
   void make_jointed(const SceneParts& parts) {
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      if (!parts.part(p).capsules.empty() || !parts.part(p).hulls.empty())
+      const Scene part = parts.part(p);
+      if (!part.capsules.empty() || !part.hulls.empty())
         refuse("particle ", parts.particles(p).front(), ": its island has shapes, and method ",
                to_string(settings_.method), " lets nothing touch; ",
                methods_that([](const MethodRow& row) { return row.moves_joints; }), " do");
-      if (is_plain(parts.part(p))) continue;
+      if (is_plain(part)) continue;
       require_no_elements(parts.particles(p));
       leave_out(parts.particles(p));
-      add(method_row(settings_.method).make_jointed(parts.part(p), parts.particles(p), settings_, start_));
+      add(method_row(settings_.method).make_jointed(part, parts.particles(p), settings_, start_));
     }
   }
 

@@ -7,6 +7,8 @@ namespace plumb::detail {
 
 Anchors::Anchors(const Scene& scene, std::size_t solvers)
     : has_target_(scene.particles.size(), 0), is_concerned_(solvers, 0) {
+  fixed_.reserve(scene.particles.size());
+  positions_.reserve(scene.particles.size());
   for (const Particle& particle : scene.particles) {
     fixed_.push_back(particle.fixed);
     positions_.push_back(particle.position);
