@@ -240,7 +240,7 @@ class Maker {
       solver->fill_bends(lane, bends_, sets_.elements.bends_of(equal[std::min(lane, trees - 1)]));
     for (std::uint32_t lane = 0; bends.is_twisted() && lane < kind->lanes; ++lane)
       solver->fill_twist(lane, bends_, sets_.elements.twists_of(equal[std::min(lane, trees - 1)]).front());
-    solver->finish_layout();
+    solver->finish_layout(!scene_.capsules.empty() || !scene_.hulls.empty());
     MadeSolver made;
     made.places.reserve(std::size_t{trees} * (kind->topology->nodes + kind->topology->ties));
     made.cords.reserve(std::size_t{trees} * kind->topology->rods());

@@ -55,7 +55,7 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
     state.grabs.all.reserve(all.size());
   };
   for (auto& crew : kind_->crews)
-    if (crew.alone) make_room(*crew.alone);
+    if (TreeState<T>* const alone = crew.alone.made()) make_room(*alone);
   if (line_) make_room(line_->whole);
   for (auto& saved : saved_)
     if (saved) make_room(*saved);

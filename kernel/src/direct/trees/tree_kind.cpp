@@ -49,16 +49,10 @@ TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rule
   if (rules.changes_gradient) calm_stepper.emplace(Gradient::mid, rules.drag, true, rules.isa);
   for (unsigned part = 0; part < rules.threads; ++part)
     crews.push_back({TreeWorkspace<T>(*topology, lanes),
-                     ElasticTree<T>(topology, rules.gradient, rules.drag, rules.isa), nullptr,
+                     ElasticTree<T>(topology, rules.gradient, rules.drag, rules.isa), LoneTree<T>(topology),
                      lanes == 1 ? nullptr : std::make_unique<TreeWorkspace<T>>(*topology, 1)});
   for (auto& crew : crews)
     if (bounded) crew.elastic.bound_frames();
-}
-
-template <class T>
-void TreeKind<T>::make_alone() {
-  for (Crew& crew : crews)
-    if (!crew.alone) crew.alone = std::make_unique<TreeState<T>>(topology, 1);
 }
 
 std::shared_ptr<const layouts::Tree> TreeKinds::tree_of(const layouts::LocalGraph& island) {

@@ -19,13 +19,13 @@ template <class T>
 struct TreeKind {
   struct Crew {
     TreeWorkspace<T> work;
-    ElasticTree<T> elastic;               ///< It takes what no halving solves.
-    std::unique_ptr<TreeState<T>> alone;  ///< It is one tree, for substeps that are halved.
+    ElasticTree<T> elastic;  ///< It takes what no halving solves.
+    LoneTree<T> alone;
     /// A single tree needs no other memory for these: by then it is done with the first.
     std::unique_ptr<TreeWorkspace<T>> work_of_alone;
 
     TreeWorkspace<T>& alone_work() { return work_of_alone ? *work_of_alone : work; }
-    TreeCrew<T> view() { return {work, *alone, alone_work(), &elastic}; }
+    TreeCrew<T> view() { return {work, alone, alone_work(), &elastic}; }
   };
 
   /// These rules come from the settings and say how trees are moved.
@@ -44,9 +44,10 @@ struct TreeKind {
 
   TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules, LineBends bends = {});
 
-  /// Gives every crew a tree alone. A line in segments has one of its own, so that kinds of nothing but such
-  /// lines are without.
-  void make_alone();
+  /// Makes the lone trees of all crews, so that steps do not.
+  void make_alone() {
+    for (Crew& crew : crews) crew.alone.get();
+  }
 
   /// Substeps estimate errors of second order by themselves. Others show when substeps are compared.
   bool estimates() const {

@@ -41,7 +41,7 @@ void TreeSolver<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel 
 }
 
 template <class T>
-void TreeSolver<T>::finish_layout() {
+void TreeSolver<T>::finish_layout(bool may_touch) {
   if (state_.lanes == 1 && TreeStepper<T>::is_line(state_, kind_->rules.gradient) &&
       LineSegments::fits(*state_.topology, layouts::lane_width<T>)) {
     const LineSegments segments(state_.topology->nodes, layouts::lane_width<T>);
@@ -50,7 +50,7 @@ void TreeSolver<T>::finish_layout() {
         std::make_unique<Line>(Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
     state_ = std::move(cut);
   }
-  if (!line_) kind_->make_alone();
+  if (!line_ && !may_touch) kind_->make_alone();
   ties_begin_ = state_.topology->nodes * state_.lanes;
   velocity_ = layouts::AlignedBuffer<T>(state_.u.size());
   if (!kind_->rules.controlled) return;
@@ -89,9 +89,11 @@ void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
 template <class T>
 double TreeSolver<T>::advance_one(double h, unsigned part, Tally& report) {
   auto& crew = kind_->crews[part];
-  if (line_)
-    return kind_->stepper.advance(line_->segments, state_, h,
-                                  {line_->work, line_->whole, crew.work, &crew.elastic}, report);
+  if (line_) {
+    LoneTree<T> whole(line_->whole);
+    return kind_->stepper.advance(line_->segments, state_, h, {line_->work, whole, crew.work, &crew.elastic},
+                                  report);
+  }
   const TreeStepper<T>& stepper = is_calm_ ? *kind_->calm_stepper : kind_->stepper;
   return stepper.advance(state_, h, crew.view(), report);
 }

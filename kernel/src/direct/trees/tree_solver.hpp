@@ -28,8 +28,9 @@ class TreeSolver final : public Solver {
   void fill_bends(std::uint32_t lane, const BendTable& table, std::span<const std::uint32_t> bends);
   /// Gives a lane its twist, whose slot is the lane.
   void fill_twist(std::uint32_t lane, const BendTable& table, std::uint32_t twist);
-  /// Cuts a long line, and allocates what an accuracy needs. It is called once all lanes are filled.
-  void finish_layout();
+  /// Cuts a long line, and allocates what steps need. Call it once all lanes are filled. Where shapes may
+  /// touch, steps allocate now and then, and trees for halved substeps wait until they are needed.
+  void finish_layout(bool may_touch = false);
   Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
   Slot tie_slot(std::uint32_t tie, std::uint32_t lane) const;
 

@@ -1,7 +1,6 @@
 // This file puts trees where their rods fit as a world starts.
 
 #include <algorithm>
-#include <optional>
 
 #include "direct/loops/settle.hpp"
 #include "direct/trees/tree_solver.hpp"
@@ -15,14 +14,12 @@ std::uint32_t TreeSolver<T>::project_positions() {
   TreeState<T> before(state.topology, state.lanes);
   before.copy_motion(state);
   auto& crew = kind_->crews[0];
-  std::optional<TreeState<T>> made;
-  if (!crew.alone) made.emplace(kind_->topology, 1);
-  TreeState<T>& alone = made ? *made : *crew.alone;
+  LoneTree<T> alone(kind_->topology);
   Tally tried;
   stepper.advance(state, projection_step, {crew.work, alone, crew.alone_work()}, tried);
   if (tried.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
-  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : crew.elastic.settle(state, alone);
+  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : crew.elastic.settle(state, alone.get());
   if (line_) line_->segments.scatter(state, state_);
   return unsettled;
 }

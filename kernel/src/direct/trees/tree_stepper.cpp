@@ -202,7 +202,7 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
 template <class T>
 template <class Load>
 auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const -> Rescue {
-  TreeState<T>& alone = crew.alone;
+  TreeState<T>& alone = crew.alone.get();
   double rest = h;
   load();
   if (alone.bends.any() && crew.elastic != nullptr) {  // bends may start far from where they end
@@ -309,8 +309,9 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     --counters.direct_substeps;
     restore_multipliers(state, lane);
     const std::uint64_t before = counters.newton - work.iterations[lane];  // rescue may work there, too
-    const Rescue rescued = rescue(h, crew, counters, [&] { crew.alone.copy_lane(0, state, lane); });
-    if (rescued != Rescue::none) state.copy_lane(lane, crew.alone, 0);
+    TreeState<T>& alone = crew.alone.get();
+    const Rescue rescued = rescue(h, crew, counters, [&] { alone.copy_lane(0, state, lane); });
+    if (rescued != Rescue::none) state.copy_lane(lane, alone, 0);
     if (rescued != Rescue::halves) state.frequency2 = 0;  // it was made of multipliers that solve nothing
     state.effort[lane].took(counters.newton - before);
   }
@@ -332,7 +333,7 @@ template <class T>
 double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
                                      const TreeCrew<T>& crew, Tally& counters) const {
   TreeWorkspace<T>& work = crew.work;
-  TreeState<T>& alone = crew.alone;
+  TreeState<T>& alone = crew.alone.get();
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
   const auto total = [&](std::span<const T> lanes) {
     double sum = 0;

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/newton_limits.hpp"
@@ -18,11 +20,33 @@ namespace plumb::detail {
 template <class T>
 class ElasticTree;
 
+/// Is one tree, for substeps that are halved. Few ever are, and it is made when it is first asked for.
+template <class T>
+class LoneTree {
+ public:
+  explicit LoneTree(std::shared_ptr<const TreeTopology> topology) : topology_(std::move(topology)) {}
+  explicit LoneTree(TreeState<T>& there) : state_(&there) {}
+
+  TreeState<T>& get() {
+    if (state_ == nullptr) {
+      made_ = std::make_unique<TreeState<T>>(topology_, 1);
+      state_ = made_.get();
+    }
+    return *state_;
+  }
+  TreeState<T>* made() const { return state_; }  ///< or null
+
+ private:
+  std::shared_ptr<const TreeTopology> topology_;
+  std::unique_ptr<TreeState<T>> made_;
+  TreeState<T>* state_ = nullptr;
+};
+
 /// Steps of trees work with these buffers, which belong to a thread or to a line in segments.
 template <class T>
 struct TreeCrew {
   TreeWorkspace<T>& work;
-  TreeState<T>& alone;           ///< It is one tree, for substeps that are halved.
+  LoneTree<T>& alone;
   TreeWorkspace<T>& alone_work;  ///< It is `work` if that is of one tree.
   /// Takes what no halving solves. Without it such trees stay where they are.
   ElasticTree<T>* elastic = nullptr;
