@@ -227,6 +227,26 @@ TEST(ViewSide, PullsParticlesAndAnchors) {
   expect_pulled("chain:links=10", {.method = Method::direct, .substeps = 4}, 0);
 }
 
+// A relaxed body stands as its pose says but for what sweeps leave, and goes on so in a new world.
+TEST(ViewSide, ThrowsOneBallAfterTheOtherAtRelaxedBodies) {
+  for (const char* scene : {"boxes", "humanoid:body=medium"}) {
+    SCOPED_TRACE(scene);
+    Exhibit exhibit(start_of(scene, {{.method = Method::relax}}));
+    const std::size_t particles = exhibit.sides()[0].scene().particles.size();
+    for (std::size_t ball = 1; ball <= 4; ++ball) {
+      run(exhibit, 40);
+      const Vec3 at = exhibit.sides()[0].positions().front() + Vec3{0, 1, 0};
+      EXPECT_EQ(refusal([&] {
+                  exhibit.take({.verb = Verb::throw_ball, .value = "0.05", .at = at, .velocity = {0, -5, 0}});
+                }),
+                "");
+      EXPECT_EQ(exhibit.sides()[0].scene().particles.size(), particles + ball);
+    }
+    run(exhibit, 40);
+    EXPECT_TRUE(is_sound(exhibit));
+  }
+}
+
 TEST(ViewSide, PullsCutsAndThrowsWhereBodiesTouch) {
   for (const char* scene : {"humanoid", "pile", "rope"}) {
     SCOPED_TRACE(scene);

@@ -42,8 +42,15 @@ void carry_bodies(const Scene& before, const World& world, Scene& out) {
   std::vector<Pose> poses(out.bodies.size());
   world.copy_poses(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Body& body = before.bodies[i];
+    const Matrix r = rotation(poses[i].orientation);
     out.bodies[i].center = poses[i].position;
-    out.bodies[i].inertia = turned(rotation(poses[i].orientation), before.bodies[i].inertia);
+    out.bodies[i].inertia = turned(r, body.inertia);
+    // Sweeps leave particles a little off, and a body's mass lies in particles only where they stand as it
+    // does.
+    for (const std::uint32_t particle : body.particles)
+      if (const Particle& was = before.particles[particle]; !was.fixed)
+        out.particles[particle].position = poses[i].position + times(r, was.position - body.center);
   }
   for (Hull& hull : out.hulls) {
     const Matrix r = rotation(poses[hull.body].orientation);
