@@ -107,7 +107,7 @@ class InLanes final : public Contestant {
         stepper_(gradient, 0, false, isa),
         trees_(scene, lanes),
         work_(*trees_.topology, lanes),
-        alone_(trees_.topology, 1),
+        alone_(trees_.topology),
         alone_work_(*trees_.topology, 1) {}
 
   void step(detail::Tally& counters) override {
@@ -140,7 +140,7 @@ class InLanes final : public Contestant {
   TreeStepper<T> stepper_;
   Trees<T> trees_;
   TreeWorkspace<T> work_;
-  TreeState<T> alone_;
+  detail::LoneTree<T> alone_;
   TreeWorkspace<T> alone_work_;
   Multipliers<T> saved_;
   std::vector<TreeState<T>> kept_;
@@ -161,10 +161,11 @@ class InSegments final : public Contestant {
         segments_(trees_.topology->nodes, layouts::lane_width<T>),
         state_(segments_.cut(trees_.states.front())),
         work_(*state_.topology, state_.lanes),
+        alone_(trees_.states.front()),
         alone_work_(*trees_.topology, 1) {}
 
   void step(detail::Tally& counters) override {
-    stepper_.advance(segments_, state_, substep, {work_, trees_.states.front(), alone_work_}, counters);
+    stepper_.advance(segments_, state_, substep, {work_, alone_, alone_work_}, counters);
   }
   void call_kernel() override { kernels_.newton_segments(work_.view(state_)); }
   double rods_per_kernel() const override { return rods(); }
@@ -185,6 +186,7 @@ class InSegments final : public Contestant {
   LineSegments segments_;
   TreeState<T> state_;
   TreeWorkspace<T> work_;
+  detail::LoneTree<T> alone_;
   TreeWorkspace<T> alone_work_;
   Multipliers<T> saved_;
   std::vector<TreeState<T>> kept_;

@@ -142,27 +142,28 @@ TEST(Relax, ProjectsARodToItsLength) {
   EXPECT_NEAR(x[0].x + 3 * x[1].x, 3.3, 1e-15);
 }
 
-// A substep that is shorter than the one before keeps a share of the violation, here a quarter. The next one
-// of that length takes back the rest.
+// A substep of half the length of the one before takes back a quarter, and of the rest another quarter. One
+// that is as long takes back all.
 TEST(Relax, KeepsAShareOfAViolation) {
   const Scene scene = long_rod();
   const Constants constants = make_constants(scene);
   std::vector<Block<double>> blocks = blocks_of(scene);
   Block<double>& block = blocks.front();
   RelaxSettings<double> settings = one_substep(50);
-  settings.h = 1e-2;
   settings.constants = &constants;
-  const double left = 1.1 * 1.1 - 1;
-  for (const double share : {0.25, 0.0}) {
-    settings.leftovers.square = settings.h * settings.h / (1 - share);
+  settings.leftovers.pass(1e-2);
+  block.begin_keeping();
+  for (const auto& [h, left] : {std::pair(5e-3, 9.0 / 16), std::pair(1e-2, 0.0)}) {
+    settings.h = h;
     StepReport report;
     relax_alone(block, 0, block.packing().positions, settings, report);
+    settings.leftovers.pass(h);
     Vec3 x[2];
     for (std::uint32_t slot = 0; slot < block.packing().slot_vertex.size(); ++slot) {
       x[block.packing().slot_vertex[slot]] = block.read(block.x(), slot);
       for (double* field : {block.displacement(0), block.displacement(1)}) block.write(field, slot, {});
     }
-    EXPECT_NEAR(dot(x[1] - x[0], x[1] - x[0]), 1 + share * left, 1e-14);
+    EXPECT_NEAR(dot(x[1] - x[0], x[1] - x[0]), 1 + left * (1.1 * 1.1 - 1), 1e-14);
   }
 }
 

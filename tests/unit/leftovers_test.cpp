@@ -1,48 +1,56 @@
-// How much of what sweeps left before a substep takes back.
+// How much shorter substeps keep of what a longer one left.
 
 #include "time/leftovers.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <array>
 
 namespace plumb::detail::PLUMB_TEST_FILE {
 namespace {
 
-TEST(Leftovers, AreTakenBackWholeByWhatIsAsLong) {
+TEST(Leftovers, AreNoneOfWhatIsAsLong) {
   const double h = 1.0 / 60;
   Leftovers leftovers;
-  EXPECT_EQ(leftovers.share(h), 1) << "nothing is left before the first substep";
+  EXPECT_EQ(leftovers.keeps(h), 0) << "before the first substep";
   for (int i = 0; i < 3; ++i) {
-    leftovers.pass(h, 8);
-    EXPECT_EQ(leftovers.share(h), 1) << "of equal substeps";
-    EXPECT_EQ(leftovers.share(2 * h), 1) << "of a longer one";
-    EXPECT_DOUBLE_EQ(leftovers.share(h / 4), 1.0 / 16);
-    EXPECT_DOUBLE_EQ(leftovers.share(h / 16), 1.0 / 256);
-    EXPECT_DOUBLE_EQ(leftovers.share(h / 160), 1.0 / 2560);
+    leftovers.pass(h);
+    EXPECT_FALSE(leftovers.any());
+    for (const double next : {h, 2 * h, 0.95 * h})
+      EXPECT_EQ(leftovers.keeps(next), 0) << "frames differ a little";
+    EXPECT_DOUBLE_EQ(leftovers.keeps(h / 4), 15.0 / 16) << "it takes back what one of its length leaves";
   }
 }
 
-// Squares of substeps are lost by a quarter of what passes: 12 of half the length make the whole theirs.
-TEST(Leftovers, FadeWhileSubstepsAreShort) {
-  Leftovers leftovers{1};
-  leftovers.pass(0.5, 4);
-  EXPECT_EQ(leftovers.square, 0.75);
-  leftovers.pass(0.5, 7);
-  EXPECT_LT(leftovers.share(0.5), 1);
-  leftovers.pass(0.5);
-  EXPECT_EQ(leftovers.share(0.5), 1);
-  leftovers.pass(0.5, 100);
-  EXPECT_EQ(leftovers.square, 0.25);
+// Once they are equal, short substeps take back all that they leave. What was kept fades by as much as one of
+// their length leaves, or in sixteen times what left it, or in half a second.
+TEST(Leftovers, OfShortSubstepsAreTheirOwn) {
+  for (const auto& [time, h, share] : {std::array{1.0 / 60, 1.0 / 240, 1.0 / 16},
+                                       std::array{0.01, 1e-4, 1e-4 / 0.16}, std::array{1.0, 1e-3, 2e-3}}) {
+    Leftovers leftovers;
+    leftovers.pass(time);
+    EXPECT_DOUBLE_EQ(leftovers.fades(h), share);
+    leftovers.pass(h);
+    EXPECT_TRUE(leftovers.any());
+    EXPECT_EQ(leftovers.keeps(h), 0) << "of what it left itself";
+    EXPECT_EQ(leftovers.fades(time), 1) << "by one that is as long as what left it";
+  }
 }
 
-// However short substeps are, what was left halves in the same time, 64 ln 2 of the substep that left it.
-TEST(Leftovers, FadeInATimeThatDoesNotGrow) {
-  for (const double h : {1e-3, 1e-4, 1e-5}) {
-    Leftovers leftovers{1};
-    std::uint32_t substeps = 0;
-    for (; leftovers.square > 0.25; ++substeps) leftovers.pass(h);
-    EXPECT_NEAR(substeps * h, 64, 0.1) << h;
+// Where steps are ever shorter, less than a hundredth is left when they take over, and that within three
+// times of the half second.
+TEST(Leftovers, EndOnceTheyHaveFaded) {
+  for (const double h : {1.0 / 60, 1e-3, 1e-4}) {
+    Leftovers leftovers;
+    leftovers.pass(1);
+    double left = 1, passed = 0;
+    do {
+      left *= 1 - leftovers.fades(h);
+      leftovers.pass(h);
+      passed += h;
+    } while (leftovers.any());
+    EXPECT_LT(left, 0.01) << h;
+    EXPECT_LT(passed, 6) << h;
   }
 }
 

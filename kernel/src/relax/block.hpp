@@ -46,9 +46,17 @@ class Block {
   /// Makes the rods of positions [q0, q1) as long as they are `t` (s) after the step's start.
   void follow_lengths(std::uint32_t q0, std::uint32_t q1, double t);
 
-  /// Lets rigid rods of a range keep this share of C = |d|² - L² as a substep starts. Ranges are no longer
-  /// uniform then, until lengths are restored. Returns the largest |C|/L² that is kept.
-  T keep_violations(simd::Range range, T share);
+  /// What a substep keeps of C = |d|² - L² at its start, see Leftovers.
+  struct Keeping {
+    T keeps, fades;  ///< shares
+  };
+  /// Lets rods keep something from now on, or no more.
+  void begin_keeping() { kept_.resize(packing_.lane_edge.size()); }
+  void end_keeping() { kept_.clear(); }
+  bool is_keeping() const { return !kept_.empty(); }
+  /// Lets rigid rods of a range do so. Ranges are no longer uniform then, until lengths are restored. Returns
+  /// the largest |C|/L² that is kept.
+  T keep_violations(simd::Range range, const Keeping& by);
   void restore_lengths(simd::Range range, const Constants& constants);
 
   /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.
@@ -146,9 +154,9 @@ class Block {
     auto& [packing, x, displacements, kick, accumulator, rod, weight, law, law_start, shift, half_kick, gives,
            moved, pulls, mass_of_move, strengths, square_bounds, broken, omega, newest, uniform,
            uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling, frozen_slots,
-           grabbed, changed, changed_length2] = *this;
+           grabbed, changed, changed_length2, kept] = *this;
     archive(x, displacements[newest & 1], displacements[(newest + 1) & 1], kick, half_kick, pulls,
-            moving_anchors, settling);
+            moving_anchors, settling, kept);
   }
 
   std::uint32_t rods() const { return rods_before_.back(); }
@@ -266,6 +274,7 @@ class Block {
   Array<Grabbed> grabbed_;
   Array<ChangedRod> changed_;      ///< by lane
   Array<double> changed_length2_;  ///< by lane, m², or 0 for the others; none if no rod has changed
+  Array<T> kept_;                  ///< by lane, m², see keep_violations(); none if nothing is kept
 };
 
 extern template class Block<float>;

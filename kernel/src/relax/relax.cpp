@@ -21,7 +21,7 @@ constexpr double mid_guard_violation = 0.05;
 /// |C|/L^2 is |(1 + strain)^2 - 1|. The compressed side is the stricter one.
 template <class T>
 T largest_violation(const StopRule& stop) {
-  if (!stop.tolerance) return std::numeric_limits<T>::infinity();
+  if (!stop.tolerance) return 0;
   return static_cast<T>(*stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)));
 }
 
@@ -61,8 +61,9 @@ class Substep {
         p_(moved.own),
         view_(block_.law_view(p_, moved.is_first ? settings.first_terms : settings.terms)),
         pull_(moved.is_first ? settings.first_pull : settings.pull),
-        keeps_(static_cast<T>(1 - moved.leftovers.share(settings.h))),
         bound_(largest_violation<T>(settings.stop)),
+        keeping_{static_cast<T>(moved.leftovers.keeps(settings.h)),
+                 static_cast<T>(moved.leftovers.fades(settings.h))},
         q0_(moved.q0),
         q1_(moved.q1) {}
 
@@ -114,7 +115,7 @@ class Substep {
   }
   simd::Range range_of(std::uint32_t position, std::size_t stage) const {
     simd::Range range = block_.range(position, stage);
-    range.uniform = range.uniform && keeps_ == 0;
+    range.uniform = range.uniform && !block_.is_keeping();
     return range;
   }
   simd::Range stage_part(std::size_t stage, unsigned part) const {
@@ -134,11 +135,13 @@ class Substep {
       });
       for_rods(part, [&](simd::Range range) {
         block_.gives() ? access_.laws.prepare(view_, range) : access_.prepare(view_, range);
-        if (keeps_ > 0) kept[part] = std::max(kept[part], block_.keep_violations(range, keeps_));
+        if (block_.is_keeping()) kept[part] = std::max(kept[part], block_.keep_violations(range, keeping_));
         if (pull_ != 0) block_.begin_moves(range);
       });
     });
-    bound_ -= *std::max_element(kept.begin(), kept.begin() + crew_.parts());
+    const T most = *std::max_element(kept.begin(), kept.begin() + crew_.parts());
+    can_meet_ = most < bound_;
+    if (can_meet_) bound_ -= most;
   }
 
   void solve() {
@@ -154,7 +157,7 @@ class Substep {
     while (true) {
       if (stop.tolerance && violation() <= bound_) {
         if (done == 0) ++report_.skipped_within_tolerance;
-        return stopped(StoppedBy::tolerance, done);
+        return stopped(can_meet_ ? StoppedBy::tolerance : StoppedBy::sweeps, done);
       }
       if (done == stop.sweeps) return stopped(StoppedBy::sweeps, done);
       if (stop.budget_us && done > 0 && Clock::now() >= deadline) return stopped(StoppedBy::budget, done);
@@ -191,7 +194,7 @@ class Substep {
       crew_.for_parts([&](unsigned part) {
         for_rods(part, [&](simd::Range range) { block_.count_moves(range, pull_); });
       });
-    if (keeps_ > 0)
+    if (block_.is_keeping())
       crew_.for_parts([&](unsigned part) {
         for_rods(part, [&](simd::Range range) { block_.restore_lengths(range, *settings_.constants); });
       });
@@ -354,8 +357,9 @@ class Substep {
   T* p_;  ///< It is the displacement of this one, in m.
   simd::LawView<T> view_;
   double pull_;  ///< It makes impulses of moves, in 1/s; it is 0 if pulls do not count.
-  T keeps_;      ///< It leaves such a share of what rods are off their lengths.
-  T bound_;      ///< Sweeps end at such a |C|/L² beside what is kept.
+  T bound_;      ///< Sweeps end at such a |C|/L² beside what is kept, if there is a tolerance.
+  typename Block<T>::Keeping keeping_;
+  bool can_meet_ = true;  ///< What is kept is within the tolerance.
   std::uint32_t q0_, q1_;
 };
 

@@ -68,6 +68,7 @@ void RelaxSolver<T>::begin_step(double dt, Team& team) {
   for (BlockGrab& grab : grabs_) grab.begin_step();
   if (wants_team()) begin_pulls(0);
   if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
+  if (!is_controlled() && leftovers_.keeps(h_) > 0) block_.begin_keeping();
   block_.release_anchors();
   elapsed_ = 0;
   if (std::exchange(lengths_jump_, false) || (!has_moved_ && starts_off_length_)) block_.settle();
@@ -172,7 +173,6 @@ double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t coun
   relax_alone(block_, begin, end, settings, report);
   if (is_controlled()) {
     block_.count_substeps(count);
-    leftovers_.pass(h, count);
     has_moved_ = true;
   }
   return 0;
@@ -195,7 +195,8 @@ template <class T>
 void RelaxSolver<T>::end_step(StepReport&) {
   if (is_controlled()) return;  // advance() has done that, unless another solver has moved all
   if (!wants_team()) block_.count_substeps(rules_->settings.substeps);
-  leftovers_.pass(h_, rules_->settings.substeps);
+  for (std::uint32_t i = 0; i < rules_->settings.substeps; ++i) leftovers_.pass(h_);
+  if (!leftovers_.any()) block_.end_keeping();
   has_moved_ = true;
 }
 
@@ -235,8 +236,7 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   std::copy_n(half_kick.data(), half_kick.size(), to.half_kick.data());
   to.pulls = block_.pulls();
   block_.save_rods(to.rods);
-  std::tie(to.h, to.elapsed, to.leftovers, to.grabs, to.has_moved) =
-      std::tie(h_, elapsed_, leftovers_, grabs_, has_moved_);
+  std::tie(to.h, to.elapsed, to.grabs, to.has_moved) = std::tie(h_, elapsed_, grabs_, has_moved_);
 }
 
 template <class T>
@@ -250,8 +250,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   block_.pulls() = from.pulls;
   block_.restore_rods(from.rods);
   kicks_stale_ = kicks_stale_ || h_ != from.h;
-  std::tie(h_, elapsed_, leftovers_, grabs_, has_moved_) =
-      std::tie(from.h, from.elapsed, from.leftovers, from.grabs, from.has_moved);
+  std::tie(h_, elapsed_, grabs_, has_moved_) = std::tie(from.h, from.elapsed, from.grabs, from.has_moved);
 }
 
 template <class T>

@@ -83,7 +83,7 @@ class RelaxSolver final : public Solver {
   /// Rods that sweeps left off their lengths do not start there.
   void go_on(Slot, const Past& past) override {
     starts_off_length_ = false;
-    leftovers_.square = std::max(leftovers_.square, past.leftovers.square);
+    leftovers_.time = leftovers_.last = std::max(leftovers_.time, past.leftovers.time);
   }
   Past past(Slot) const override { return {.leftovers = leftovers_}; }
   void remove(Slot slot) override {
@@ -113,7 +113,7 @@ class RelaxSolver final : public Solver {
            mark, best_substep] = *this;
     if (block.archive_rods(archive)) weigh();
     archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, lengths_jump,
-            leftovers.square, forces, grabs, best_substep);
+            leftovers.time, leftovers.last, forces, grabs, best_substep);
     if (archive.restores() && h > 0) weigh_grabs(h);
     if (has_moved) return;
     for (const std::uint32_t particle : block.packing().slot_vertex)
@@ -137,7 +137,6 @@ class RelaxSolver final : public Solver {
     Array<double> pulls;
     typename Block<T>::SavedRods rods;
     double h = 0, elapsed = 0;
-    Leftovers leftovers{};
     bool has_moved = false;
     Array<BlockGrab> grabs{};
   };

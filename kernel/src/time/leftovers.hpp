@@ -1,30 +1,36 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 
 namespace plumb::detail {
 
-/// Says how much a substep takes back of the violations that sweeps left before.
+/// Says what shorter substeps do with the violations that a longer one left.
 ///
 /// What sweeps leave of a pull goes as the square of the substep. A shorter one that took all of it back
 /// would pull as much harder, and throw what it pulls. So it takes back what one of its own length would have
-/// left. One that is shorter than a sixteenth takes back no less, for its time, than that one would.
+/// left, and keeps the rest for a while, as if rods were as long.
 struct Leftovers {
-  double square = 0;  ///< s², of the substep that left them
+  double time = 0;  ///< s, the substep that left what is kept, less as that fades
+  double last = 0;  ///< s, the substep before; 0 before the first
 
-  /// Returns the share that a substep of `h` (s) takes back.
-  double share(double h) const {
-    if (!(h * h < square)) return 1;
-    return h / square * std::max(h, std::sqrt(square) / 16);
+  bool any() const { return last < time; }
+  /// Returns the share of what the last substep left that one of `h` (s) keeps.
+  double keeps(double h) const { return is_shorter(h, last) ? 1 - h / last * (h / last) : 0; }
+  /// Returns the share of what was kept that it takes back: all if it is as long as what left it.
+  double fades(double h) const {
+    if (!is_shorter(h, time)) return 1;
+    constexpr double longest = 0.5;  // s, for what a frame left that hung
+    return std::min(1.0, std::max(h / time * (h / time), h / std::min(16 * time, longest)));
   }
-  /// Lets substeps of `h` pass. Sweeps are slow with what is long, so what was left fades at a quarter of the
-  /// speed at which it is taken back.
-  void pass(double h, std::uint32_t substeps = 1) {
-    for (std::uint32_t i = 0; i < substeps && square != h * h; ++i)
-      square = std::max(h * h, square - share(h) / 4 * square);
+  /// Lets a substep of `h` pass.
+  void pass(double h) {
+    time = is_shorter(h, time) ? std::max(h, time - fades(h) / 2 * time) : h;
+    last = h;
   }
+
+ private:
+  /// Frames differ a little all the time, which matters as little.
+  static bool is_shorter(double h, double than) { return h < 0.9 * than; }
 };
 
 }  // namespace plumb::detail

@@ -55,7 +55,7 @@ void Block<T>::write_length(std::size_t lane, double length) {
 /// Sweeps of rigid rods divide by squared lengths, which are those that a substep leaves. A slack cable is
 /// not off its length, and a rod that gives is as its law says.
 template <class T>
-T Block<T>::keep_violations(simd::Range range, T share) {
+T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
   const std::size_t lanes = packing_.lanes;
   T largest = 0;
   for (std::size_t v = range.begin; v < range.end; ++v) {
@@ -64,13 +64,19 @@ T Block<T>::keep_violations(simd::Range range, T share) {
     T* const excess = gives_ ? law_start_.data() + (v * simd::law_fields::start + 4) * lanes : nullptr;
     const T* const is_rigid = gives_ ? law_.data() + (v * simd::law_fields::rod + 4) * lanes : nullptr;
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      T& violation = violations[lane];
-      if (gives_ && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && violation < 0))) continue;
-      const T kept = share * violation;
-      largest = std::max(largest, std::abs(kept) * fields[3 * lanes + lane]);
-      violation -= kept;
+      const T off = violations[lane], inverse = fields[3 * lanes + lane];
+      T& kept = kept_[v * lanes + lane];
+      const bool is_loose = gives_ && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && off < 0));
+      if (is_loose || off == 0) {
+        kept = 0;
+        continue;
+      }
+      const T wanted = (kept + by.keeps * (off - kept)) * (1 - by.fades);
+      kept = std::clamp(wanted, std::min(off, T(0)), std::max(off, T(0)));
+      largest = std::max(largest, std::abs(kept) * inverse);
+      violations[lane] = off - kept;
       fields[lane] += kept;
-      if (gives_) excess[lane] -= share * excess[lane];
+      if (gives_) excess[lane] *= violations[lane] / off;
     }
   }
   return largest;
@@ -115,7 +121,7 @@ void Block<T>::tell_apart(std::size_t lane) {
   template double Block<T>::rate(std::size_t) const;                            \
   template void Block<T>::follow_lengths(std::uint32_t, std::uint32_t, double); \
   template void Block<T>::write_length(std::size_t, double);                    \
-  template T Block<T>::keep_violations(simd::Range, T);                         \
+  template T Block<T>::keep_violations(simd::Range, const Keeping&);            \
   template void Block<T>::restore_lengths(simd::Range, const Constants&);       \
   template double Block<T>::length2_of(std::size_t, const Constants&) const;    \
   template void Block<T>::forget_lengths_of_retired();                          \

@@ -104,7 +104,9 @@ void Step::carry_motion(const Step& from) {
   const bool goes_on = !is_to_fit_;
   for_movable([&](std::uint32_t particle, Solver& to, Slot slot) {
     const Place& home = from.compiled_.places.of(particle).front();
-    to.go_on(slot, goes_on ? from.solver(home).past(home.slot) : Solver::Past{});
+    Solver::Past past = from.solver(home).past(home.slot);
+    if (!goes_on) past.substep = 0;
+    to.go_on(slot, past);
   });
   if (compiled_.contact) compiled_.contact->go_on_from(*from.compiled_.contact);
 }
