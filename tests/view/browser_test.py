@@ -260,7 +260,7 @@ def check_hands(view):
 
 
 def check_figure(view):
-    """A limb is pulled, and a thrown ball is one particle more."""
+    """A limb is pulled, and thrown balls are alike, and each one particle more."""
     canvas = view.browser.find_element(By.ID, "view")
     view.until("window.plumb.frame.sides[0].awake === 0", "the figure sleeps")
     view.js("document.getElementById('colour').value = 'sleep';"
@@ -277,8 +277,18 @@ def check_figure(view):
     ActionChains(view.browser).release().perform()
     before = view.frame("sides[0].positions.length")
     view.browser.find_element(By.CSS_SELECTOR, "[data-tool=throw]").click()
-    ActionChains(view.browser).move_to_element_with_offset(canvas, 20, 20).click().perform()
-    view.until(f"window.plumb.frame.sides[0].positions.length === {before + 3}", "a ball flies")
+    view.js("const { page } = window.plumb, send = page.send; window.sizes = [];"
+            "page.send = (m) => { window.sizes.push(JSON.parse(m).value); send(m); }")
+    for balls in [1, 2]:
+        ActionChains(view.browser).move_to_element_with_offset(canvas, 20, 20).click().perform()
+        view.until(f"window.plumb.frame.sides[0].positions.length === {before + 3 * balls}", "a ball flies")
+    first, second = view.js("return window.sizes")
+    assert first == second, (first, second)
+    view.js("window.plumb.page.send(window.plumb.requests.load('winch'))")
+    view.until("window.plumb.page.hands.tool === 'pull'", "where nothing can be hit, the tool is another one")
+    assert view.js("return document.querySelector('#tools [aria-pressed=true]').textContent") == "Pull"
+    ActionChains(view.browser).send_keys("5").perform()
+    assert view.note().startswith("Nothing in this scene"), view.note()
 
 
 def check_colours(view):

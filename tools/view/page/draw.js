@@ -27,9 +27,11 @@ export class Painter {
     this.chosen = -1;
   }
 
-  setScene(scene) {
+  /** Shows a scene. One that `goesOn` has a thrown ball more, and counts as large as it began. */
+  setScene(scene, goesOn) {
     const gl = this.gl;
     this.model = new Model(scene);
+    this.size = goesOn ? this.size : this.model.radius;
     this.sides = [];
     this.plummet = new Plummet(gl);
     this.flies = null; // what is out of sight of the ground, where that is drawn

@@ -117,7 +117,7 @@ export class Hands {
 
   throwBall({ port, x, y }) {
     const { origin, direction } = this.camera.ray(x, y, port.width, port.height);
-    const size = this.painter.model.radius;
+    const { size } = this.painter;
     const from = vec.plus(origin, vec.scaled(Math.max(0, this.camera.distance - 2.2 * size), direction));
     this.page.send(requests.throwBall(from, vec.scaled(4 * Math.sqrt(9.81 * size), direction), 0.08 * size));
   }

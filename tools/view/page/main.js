@@ -98,14 +98,16 @@ function begin() {
   requestAnimationFrame(draw);
 }
 
+const clearPlots = () => Object.values(plots).forEach((plot) => { plot.clear(); plot.draw(); });
+
 function setScene(scene) {
   unsay(LOADING);
-  const isSame = painter.model && scene.name === painter.model.scene.name && scene.masses.length === painter.model.particles;
-  const model = painter.setScene(scene);
-  if (!isSame) camera.frame(model);
+  const more = scene.name === painter.model?.scene.name ? scene.masses.length - painter.model.particles : -1;
+  const model = painter.setScene(scene, more > 0); // by a thrown ball
+  if (more < 0) camera.frame(model);
   panel.setScene(scene);
   frame = before = firstEnergy = null;
-  Object.values(plots).forEach((plot) => { plot.clear(); plot.draw(); });
+  clearPlots();
   byId("verdict").textContent = byId("clock").textContent = ""; // a step may take long
   winch = scene.reels ? { kind: "reel", number: 0 } : scene.tackles.length ? { kind: "tackle", number: 0 }
     : scene.name.startsWith("winch") ? { kind: "rod", number: 0 } : null;
@@ -113,6 +115,7 @@ function setScene(scene) {
   byId("hauled").textContent = winch ? `${winch.kind} ${winch.number}` : "";
   const thrower = document.querySelector('[data-tool="throw"]');
   thrower.disabled = !scene.has_shapes;
+  if (thrower.disabled && page.hands.tool === "throw") setTool("pull");
   thrower.title = scene.has_shapes ? "Click to throw a ball (5)" : "Nothing in this scene has a shape that a ball could hit";
   painter.chosen = -1;
 }
@@ -217,6 +220,8 @@ async function saveFilm() {
 }
 
 function setTool(tool) {
+  const { disabled, title } = document.querySelector(`[data-tool="${tool}"]`);
+  if (disabled) return note(title + ".");
   page.hands.tool = tool;
   for (const button of document.querySelectorAll("[data-tool]")) button.setAttribute("aria-pressed", button.dataset.tool === tool);
   byId("winch").hidden = tool !== "haul" || !winch;
@@ -227,7 +232,7 @@ function haul(direction) {
   if (!winch || direction === haulRate) return;
   haulRate = direction;
   if (direction !== 0) page.sayIfPaused();
-  send(requests.reel(winch.kind, winch.number, 0.25 * painter.model.radius * direction));
+  send(requests.reel(winch.kind, winch.number, 0.25 * painter.size * direction));
 }
 
 const flip = (id) => { byId(id).click(); };
