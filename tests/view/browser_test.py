@@ -151,7 +151,8 @@ def check_end_mass(view):
                 "e.value = arguments[0] === 'max' ? e.max : e.dataset.kept;"
                 "for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind))", value)
         view.until("window.plumb.frame.frame < 30", "worlds start again")
-        view.until("document.getElementById('verdict').textContent.startsWith('By mass moves as')", "the page says what is seen")
+        says = "/^(By mass stays near the reference. Equal was up to|Lately b)/"
+        view.until(f"{says}.test(document.getElementById('verdict').textContent)", "the page says what is seen")
         check_why(view, 1000 if value == "max" else 10)
 
 
@@ -164,6 +165,19 @@ def check_why(view, end_mass):
     width, height, bottom = view.js("const box = document.getElementById('why').getBoundingClientRect();"
                                     "return [box.width, box.height, box.bottom]")
     assert 300 <= width <= 400 and height <= 115 and bottom < 300, (width, height, bottom)
+
+
+def check_verdict(view):
+    """What is said of worlds holds for the numbers beside it, also where these change from moment to moment."""
+    says = """return import("./measured/verdict.js").then(({ verdict }) => verdict(
+        ["direct", "mass", "equal"].map((weights) => ({ name: weights, settings: { method: "relax", weights } })),
+        [[], ...arguments[0].map(([past, now]) => [...Array(99).fill(past), now])], arguments[1], null, false))"""
+    alike, differ = {"least": 1, "most": 1, "end": 1}, {"least": 1, "most": 10, "end": 10}
+    for worlds, masses, said in [([[0.5, 5.1], [40, 60]], differ, "Lately mass was up to 5.1 % off, equal up to 60 % off. "),
+                                 ([[0.5, 0.6], [40, 4.6]], differ, "Mass stays near the reference. Equal was up to 40 % off."),
+                                 ([[6, 6], [6, 9.5]], alike, "All masses are alike, but small differences have grown."),
+                                 ([[6, 6], [6, 6.1]], alike, "All masses are alike: weights make no difference.")]:
+        assert view.js(says, worlds, masses) == said.strip(), (said, view.js(says, worlds, masses))
 
 
 # Pairs of what a selector finds that cover each other, as texts or names.
@@ -609,7 +623,10 @@ def check_page(plumb, folder):
             assert len(view.frame("sides")) == 3
             check_end_mass(view)
             check_names(view)
+            check_verdict(view)
             check_labels(view)
+            check_low(view)
+            check_tabs(view)
             check_words(view)
             check_hands(view)
             view.click("reset")

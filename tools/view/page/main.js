@@ -139,6 +139,7 @@ function take(next) {
   if (!painter?.model || next.sides[0].positions.length !== 3 * painter.model.particles) return;
   const missed = frame ? next.frame - frame.frame - 1 : 0;
   if (missed < -1 || missed > MANY_FRAMES) painter.clearTrails();
+  if (missed < -1) clearPlots(); // a recording begins again
   const now = performance.now();
   if (missed > MANY_FRAMES && pace.hasSlept(now)) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
   if (frame && next.frame > frame.frame && missed <= MANY_FRAMES) {
