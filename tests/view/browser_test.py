@@ -231,7 +231,7 @@ def check_words(view):
 
 
 def check_names(view):
-    """A world is called what it is now, in the legend and on its tab; the intro and the picture of a comparison that is over go."""
+    """A world is called what it is now, in the legend and on its tab; the words and the picture of a comparison that is over go."""
     name = "document.querySelectorAll('#legend b')[1].textContent"
     view.js("document.querySelectorAll('#tabs [role=tab]')[1].click()")
     for weights, now in [("equal", "by mass · weights equal"), ("mass", "by mass")]:
@@ -239,7 +239,7 @@ def check_names(view):
         view.until(f"{name} === '{now}'", "the legend says what it is")
         view.until(f"document.querySelectorAll('#tabs [role=tab]')[1].textContent === '{now}'", "its tab does")
         is_compared = "true" if weights == "mass" else "false"
-        view.until(f"Boolean(document.getElementById('about').textContent) === {is_compared}", "the intro is true")
+        view.until(f"document.getElementById('about').textContent.includes('The pale reference') === {is_compared}", "the intro is true")
         view.until(f"document.getElementById('why').hidden !== {is_compared}", "so is the picture")
 
 
@@ -427,7 +427,7 @@ def check_film(view, folder):
     assert view.frame("sides[0].positions.length") == shown
     view.click("ask")
     said = view.js("return document.body.innerText")  # of what is seen
-    assert "shows a recording" in said and "A rope moves by corrections" in said, said
+    assert "shows a recording" in said and "The pale reference solves all at once" in said, said
     assert not (asks := re.findall("Move End mass|Make the end|sliders|haul|dropped|Defaults", said)), asks
     view.js("document.getElementById('help').close()")
     take_picture(view.browser, os.path.join(folder, "film.png"))

@@ -30,6 +30,8 @@ const WORDS = [
   { name: "weights", label: "Weights", words: ["mass", "equal"] },
 ];
 
+const OTHERS = "The first world is the reference that others are compared with.";
+
 function nearest(values, value) {
   if (value === "off") return Math.max(0, values.indexOf("off"));
   let best = 0;
@@ -131,7 +133,8 @@ export class Panel {
       if (message[each.name] !== null) each.set(message[each.name]);
     }
     byId("compare").value = message.comparison;
-    byId("about").textContent = message.about;
+    byId("about").textContent = message.about || (message.sides.length > 1 ? OTHERS : "");
+    byId("intro").hidden = !byId("about").textContent;
     byId("hint").textContent = message.hint;
     byId("distance").textContent = message.sides[0].name === "truth" ? "error, % of size" : "distance, % of size";
     this.showTabs();
