@@ -1,5 +1,7 @@
 // Shows a recording where a live page has a server. It takes the place of ../socket.js.
 
+const MOST_PASSED = 1000; // ms, between two pictures: else the page was hidden
+
 async function unpacked() {
   const text = atob(document.getElementById("recording").textContent);
   const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
@@ -13,33 +15,43 @@ async function unpacked() {
 
 /** Calls `on.text` and `on.frame` as a server would. Returns a function that takes requests about time. */
 export function connect(on) {
-  let film = null, next = 0, playing = true, speed = 1, due = 0;
+  let film = null, next = 0, playing = true, speed = 1, time = 0, last = 0;
+  const timeOf = (number) => new DataView(film.frames[number]).getFloat64(8, true);
+  const isOver = () => next + 1 >= film.frames.length;
 
   const show = () => {
-    const frame = film.frames[next];
-    const view = new DataView(frame);
+    const view = new DataView(film.frames[next]), length = timeOf(film.frames.length - 1) - timeOf(0);
     view.setUint32(20, playing ? 1 : 0, true);
-    on.frame(frame);
+    view.setFloat32(24, speed, true); // that of the recording is not that of now
+    on.frame(film.frames[next]);
+    document.getElementById("pace").textContent = `Recording of ${length.toFixed(1)} s${isOver() ? ", ended" : ""}`;
   };
+  const go = (number) => {
+    next = Math.min(number, film.frames.length - 1);
+    time = timeOf(next);
+  };
+  // By the clock: a page that draws slowly leaves frames out.
   const tick = (now) => {
     requestAnimationFrame(tick);
-    if (!playing || now < due) return;
-    due = Math.max(due + 1000 / 60 / speed, now - 50);
-    if (next + 1 >= film.frames.length) playing = false;
-    show();
-    if (playing) ++next;
+    const passed = Math.min(MOST_PASSED, now - last), before = next;
+    last = now;
+    if (!playing) return;
+    time += (passed / 1000) * speed;
+    while (!isOver() && timeOf(next + 1) <= time) ++next;
+    if (isOver()) playing = false;
+    if (next !== before || !playing) show();
   };
   const answers = {
     play: () => {
       playing = true;
-      if (next + 1 >= film.frames.length) next = 0;
+      if (isOver()) go(0);
     },
     pause: () => { playing = false; },
     step: () => {
       playing = false;
-      next = Math.min(next + 1, film.frames.length - 1);
+      go(next + 1);
     },
-    reset: () => { next = 0; },
+    reset: () => go(0),
     speed: ({ value }) => { speed = Number(value); },
     values: () => {},
   };
@@ -48,6 +60,9 @@ export function connect(on) {
     film = read;
     film.texts.forEach(on.text);
     on.state("open", "");
+    go(0);
+    show();
+    last = performance.now();
     requestAnimationFrame(tick);
   }, () => on.state("closed", "This page's recording cannot be read."));
   return (message) => {
