@@ -35,6 +35,11 @@ const scale = c.width / c.clientWidth;
 return [(port.x + at.x) / scale - c.clientWidth / 2, (port.y + at.y) / scale - c.clientHeight / 2];"""
 
 
+def resize(browser, width, height):
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+
+
 def start_browser(dark, width, height):
     options = Options()
     options.binary_location = shutil.which("chromium")
@@ -46,8 +51,7 @@ def start_browser(dark, width, height):
         browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
     except WebDriverException as error:
         skip("chromium does not start: " + str(error).splitlines()[0])
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+    resize(browser, width, height)
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
         "features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
     return browser
@@ -208,6 +212,31 @@ def check_labels(view):
         return [at, time.canvas.clientHeight];
       });""")
     assert 10 < line[0] < line[1], line
+
+
+def check_low(view):
+    """In a window that is low nothing lies over something else or off the edge, and controls open beside the view."""
+    bars = "header > *, #tools, #winch, #time, #transport, #panel"
+    off = """return [...document.querySelectorAll("button, select, header > *")].map(e => [e.id, e.getBoundingClientRect()])
+      .filter(([, box]) => box.width && (box.left < 0 || box.right > innerWidth)).map(([id]) => id)"""
+    resize(view.browser, 844, 390)
+    view.until("!document.getElementById('why').open", "the picture folds")
+    for is_open in [False, True]:
+        view.click("fold")
+        view.until(f"document.getElementById('view').clientWidth {'<' if is_open else '>'} 600", "controls open or close")
+        assert not (covered := view.js(COVERED, bars)) and not view.js(off), (covered, view.js(off))
+    resize(view.browser, 1280, 720)
+
+
+def check_tabs(view):
+    """A world that is added is the one that settings are of, and a button that is off says why."""
+    view.browser.find_element(By.XPATH, "//*[@id='tabs']//button[.='+']").click()
+    view.until("document.querySelectorAll('#legend b').length === 4", "there is one more")
+    tabs, more = view.js("return ['[role=tab]', 'span button'].map(s => [...document.querySelectorAll('#tabs ' + s)])")
+    assert [tab.get_attribute("aria-selected") for tab in tabs] == 3 * ["false"] + ["true"]
+    assert "four" in more[0].get_attribute("title") and view.js("return document.getElementById('about').textContent")
+    more[1].click()
+    view.until("document.querySelectorAll('#legend b').length === 3", "it is gone")
 
 
 def check_words(view):

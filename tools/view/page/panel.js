@@ -1,6 +1,7 @@
 // The controls: what they show and what they ask for.
 import { diverging, islandColour, mixed, rgb, sideColour, sideText } from "./colours.js";
 import { NOWHERE, requests } from "./messages.js";
+import { isSmall } from "./measured/why.js";
 import { explain, mean } from "./words/explain.js";
 import { choiceText } from "./words/terms.js";
 
@@ -99,7 +100,7 @@ export class Panel {
     });
     for (const choice of byId("colour").options) choice.text = choiceText("colours", choice.value, choice.text);
     explain(byId("panel"), byId("explained"), byId("words"));
-    if (innerWidth <= 760) byId("fold").setAttribute("aria-expanded", "false");
+    if (isSmall.matches) byId("fold").setAttribute("aria-expanded", "false");
   }
 
   setMenu({ scenes, comparisons, methods, stages }) {

@@ -56,11 +56,12 @@ export function showWhy(place, sides, masses, endMass) {
     `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" width="${WIDTH}" height="${HEIGHT}" role="img" aria-label="${label}">${drawn}</svg>`;
 }
 
-const isNarrow = matchMedia("(max-width: 760px)");
+/** Tells whether the window has no room for all at once. */
+export const isSmall = matchMedia("(max-width: 760px), (max-height: 480px)");
 
 /** Opens the picture, or leaves a line of it that opens where it would cover worlds. */
 export function foldWhy(place) {
-  const fold = () => { place.open = !isNarrow.matches; };
-  isNarrow.addEventListener("change", fold);
+  const fold = () => { place.open = !isSmall.matches; };
+  isSmall.addEventListener("change", fold);
   fold();
 }
