@@ -299,6 +299,7 @@ def check_hands(view):
     (ax, ay), (bx, by) = view.js(PLACE, last - 6), view.js(PLACE, last - 7)
     ActionChains(view.browser).move_to_element_with_offset(canvas, int((ax + bx) / 2), int((ay + by) / 2)).click().perform()
     view.until("window.plumb.frame.sides.every(s => s.gone.length === 1)", "a rod is cut in all worlds")
+    assert not view.note(), "a hit takes back what was said of a miss"
     view.browser.find_element(By.CSS_SELECTOR, "[data-tool=pull]").click()
 
 

@@ -1,7 +1,7 @@
 // What mouse, touch and pen do: turn the view, and pull, cut, fix, haul and throw.
 import { vec } from "./camera.js";
 import { requests } from "./messages.js";
-import { note } from "./words/note.js";
+import { note, unsay } from "./words/note.js";
 
 const REACH = 28; // pixels within which something is picked
 const STILL = 6; // pixels that a click may move, else it is a drag that turns the view
@@ -20,6 +20,7 @@ export class Hands {
     this.tool = "pull";
     this.touches = new Map();
     this.drag = null;
+    this.said = ""; // of the last miss
     canvas.addEventListener("pointerdown", (event) => this.down(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.up(event));
@@ -107,6 +108,7 @@ export class Hands {
       this.throwBall(at);
       this.drag = null;
     } else if (AIMS[this.tool]) this.drag.missed = event;
+    if (this.drag?.kind !== "orbit") unsay(this.said);
   }
 
   pull({ port, x, y }) {
@@ -153,7 +155,7 @@ export class Hands {
 
   up(event) {
     const from = this.drag?.missed, way = from ? Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) : Infinity;
-    if (way < STILL && event.type === "pointerup") note(missed(AIMS[this.tool], this.painter.model));
+    if (way < STILL && event.type === "pointerup") note(this.said = missed(AIMS[this.tool], this.painter.model));
     this.touches.delete(event.pointerId);
     this.letGo();
   }
