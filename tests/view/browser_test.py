@@ -237,6 +237,7 @@ def check_tabs(view):
     assert "four" in more[0].get_attribute("title") and view.js("return document.getElementById('about').textContent")
     more[1].click()
     view.until("document.querySelectorAll('#legend b').length === 3", "it is gone")
+    view.js("document.querySelectorAll('#tabs [role=tab]')[1].click()")
 
 
 def check_words(view):

@@ -154,16 +154,23 @@ export class Panel {
       });
       return tab;
     });
-    const button = (text, title, ask, off) => {
+    const count = this.sides.length;
+    const button = (text, title, off, act) => {
       const out = document.createElement("button");
       Object.assign(out, { textContent: text, title, disabled: off });
       mean(out, "add or drop a world");
-      out.addEventListener("click", () => this.send(ask(this.side)));
+      out.addEventListener("click", act);
       return out;
     };
     const more = document.createElement("span");
-    more.append(button("+", "One more world with these settings; all start again", requests.addSide, this.sides.length > 3),
-      button("−", "Take this world away; all start again", requests.dropSide, this.sides.length < 2), "starts all again");
+    const [isFull, isLast] = [count > 3, count < 2];
+    more.append(
+      button("+", isFull ? "There are four worlds, and no more fit" : "One more world with these settings; all start again", isFull, () => {
+        this.send(requests.addSide(this.side));
+        this.side = count; // the new one, once it is there
+      }),
+      button("−", isLast ? "The last world stays" : "Take this world away; all start again", isLast,
+        () => this.send(requests.dropSide(this.side))), "starts all again");
     byId("tabs").replaceChildren(...tabs, more);
     const { settings } = this.sides[this.side];
     const reads = this.methods.find(({ name }) => name === settings.method)?.reads ?? [];
