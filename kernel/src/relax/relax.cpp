@@ -140,8 +140,7 @@ class Substep {
       });
     });
     const T most = *std::max_element(kept.begin(), kept.begin() + crew_.parts());
-    can_meet_ = most < bound_;
-    if (can_meet_) bound_ -= most;
+    if (can_meet_ = most < bound_; can_meet_) bound_ -= most;
   }
 
   void solve() {
