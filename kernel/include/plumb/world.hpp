@@ -42,9 +42,9 @@ class PLUMB_API World {
   /// a load throws (set_load()); nothing has moved then. Throws what the executor throws; the step is then
   /// done all the same.
   ///
-  /// Methods relax, direct and automatic allocate nothing after the first call, but for firsts. An island
-  /// freezes, falls back, or its rods give way. An anchor moves. More shapes touch than ever before, or a
-  /// substep is halved beside shapes. Steps become shorter. A linkage flies with a time order above 2.
+  /// Methods relax, direct and automatic allocate nothing after the first call, but for these firsts. An
+  /// island freezes, falls back, or its rods give way. An anchor moves. More shapes touch at once than ever
+  /// before, or a substep is halved beside shapes. A linkage flies with a time order above 2.
   StepReport step(double dt);
 
   /// Changes the rule from the next step on. Throws InputError on an unsound one, or if no island reads it.

@@ -21,6 +21,7 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
       rod_(std::size_t{packing_.vectors()} * simd::rod_fields * packing_.lanes),
       weight_(std::size_t{packing_.vectors()} * simd::weight_fields * packing_.lanes),
       frozen_slots_(packing_.slot_offset.size(), 0) {
+  kept_.reserve(packing_.lane_edge.size());
   rods_before_.push_back(0);
   for (std::uint32_t q = 0; q < packing_.positions; ++q) {
     const std::uint32_t begin = q * packing_.position_vectors;

@@ -50,7 +50,7 @@ class Block {
   struct Keeping {
     T keeps, fades;  ///< shares
   };
-  /// Lets rods keep something from now on, or no more.
+  /// Lets rods keep something from now on, or no more. There is room for it.
   void begin_keeping() { kept_.resize(packing_.lane_edge.size()); }
   void end_keeping() { kept_.clear(); }
   bool is_keeping() const { return !kept_.empty(); }

@@ -162,7 +162,7 @@ void CrowdJoints<T>::add_rows(const Source& source, LinkageState& state, double 
 template <class T>
 bool CrowdJoints<T>::pull_bodies(Crowd<T>& crowd) {
   // A pull changes by about this share where its ends give way.
-  constexpr double least_stiff = 0.1;
+  constexpr double least_stiff = 0.01;
   bool is_stiff = false;
   for (std::size_t i = 0; i < distances_.size(); ++i) {
     Distance& each = distances_[i];
