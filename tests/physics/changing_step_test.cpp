@@ -196,6 +196,20 @@ TEST(ChangingStep, ShortOnesThrowNothingAfterACut) {
   for (const Vec3& v : test::velocities_of(world)) EXPECT_LE(norm(v), 2);
 }
 
+// An island that broke keeps nothing, and stays where it froze.
+TEST(ChangingStep, ShortOnesLeaveWhatBrokeWhereItIs) {
+  World world(loaded_line(10, {}, {}), {.method = Method::relax, .threads = 1});
+  test::run(world, 1.0 / 60, 10);
+  world.set_force(10, {1e300, 1e300, 0});
+  std::uint32_t frozen = 0;
+  for (int i = 0; i < 6; ++i) frozen += world.step(i < 3 ? 1e-3 : 1.0 / 60).frozen_islands;
+  EXPECT_EQ(frozen, 1u);
+  world.set_force(10, {});
+  const auto stands = test::positions_of(world);
+  for (int i = 0; i < 20; ++i) world.step(turn(i));
+  EXPECT_EQ(test::positions_of(world), stands);
+}
+
 // What is to be taken back later is saved with the rest.
 TEST(ChangingStep, GoesOnFromASnapshot) {
   const Scene scene = loaded_line(10, {}, {});

@@ -67,7 +67,7 @@ T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
       const T off = violations[lane], inverse = fields[3 * lanes + lane];
       T& kept = kept_[v * lanes + lane];
       const bool is_loose = gives_ && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && off < 0));
-      if (is_loose || off == 0) {
+      if (is_loose || off == 0 || !std::isfinite(off)) {
         kept = 0;
         continue;
       }
