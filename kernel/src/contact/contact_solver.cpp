@@ -43,7 +43,7 @@ std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, cons
 
 // --- Layout
 
-ContactSolver::ContactSolver(std::shared_ptr<const Scene> scene, const SceneParts& parts,
+ContactSolver::ContactSolver(const std::shared_ptr<const Scene>& scene, const SceneParts& parts,
                              const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
       relaxes_(settings.method == Method::relax),

@@ -36,7 +36,7 @@ namespace plumb::detail {
 class ContactSolver final : public Solver {
  public:
   /// Takes the islands of `parts` that have shapes, bodies, joints or air.
-  ContactSolver(std::shared_ptr<const Scene> scene, const SceneParts& parts, const Settings& settings);
+  ContactSolver(const std::shared_ptr<const Scene>& scene, const SceneParts& parts, const Settings& settings);
 
   /// Tells that solver number `number` of the world is the home of an island, with its movable particles at
   /// `slots`.

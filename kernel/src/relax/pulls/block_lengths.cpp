@@ -66,7 +66,8 @@ T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const T off = violations[lane], inverse = fields[3 * lanes + lane];
       T& kept = kept_[v * lanes + lane];
-      const bool is_loose = gives_ && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && off < 0));
+      const bool is_loose =
+          is_rigid != nullptr && (is_rigid[lane] == 0 || (is_rigid[lanes + lane] != 0 && off < 0));
       if (is_loose || off == 0 || !std::isfinite(off)) {
         kept = 0;
         continue;
@@ -76,7 +77,7 @@ T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
       largest = std::max(largest, std::abs(kept) * inverse);
       violations[lane] = off - kept;
       fields[lane] += kept;
-      if (gives_) excess[lane] *= violations[lane] / off;
+      if (excess != nullptr) excess[lane] *= violations[lane] / off;
     }
   }
   return largest;
