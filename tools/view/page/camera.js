@@ -77,6 +77,11 @@ export class Camera {
     this.target = plus(this.target, plus(scaled(-dx * s, right), scaled(dy * s, up)));
   }
 
+  /** Returns the numbers that say what is seen. */
+  pose() {
+    return [...this.target, this.distance, this.yaw, this.pitch];
+  }
+
   axes() {
     const back = [
       Math.cos(this.pitch) * Math.sin(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch) * Math.cos(this.yaw)];

@@ -174,6 +174,12 @@ export class Painter {
     return this.sides.map((_, i) => ({ x: 0, y: Math.floor(top) + i * each, width, height: each, shown: [i] }));
   }
 
+  /** Returns what changes where a frame is seen another way. */
+  look(camera, blend) {
+    const { width, height } = this.canvas;
+    return [width, height, this.top, this.overlay, this.trails, this.colour, this.held, this.chosen, camera.pose(), blend].join();
+  }
+
   draw(camera) {
     const gl = this.gl, back = rgb("back");
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);

@@ -25,7 +25,8 @@ const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but 
 const pace = new Pace(byId("pace"));
 const plots = makePlots(byId);
 let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null;
-let haulRate = 0, isFresh = false, lastSides = null;
+let haulRate = 0, lastSides = null;
+let isFresh = false, isTold = false, drawn = "", ticks = 0; // whether worlds have news, whether numbers are those of now, what is shown
 
 // What was refused is no longer shown as if it had been taken.
 function hear({ text, refused }) {
@@ -122,6 +123,7 @@ function setScene(scene) {
 
 function setSides(message) {
   lastSides = message;
+  isFresh = true;
   sides = message.sides;
   panel.setSides(message);
   if (message.end_mass !== null) painter.setEndMass(message.end_mass);
@@ -190,21 +192,27 @@ function resize() {
   painter.top = ratio * document.querySelector("header").getBoundingClientRect().bottom;
 }
 
-let ticks = 0;
 function draw() {
   requestAnimationFrame(draw);
   pace.tick(performance.now(), frame, isFilm ? 0 : Number(byId("speed").value));
   if (!frame && painter.model) return; // what was shown stays until there is more
   resize();
-  if (!frame) return painter.draw(camera); // an empty page, as where another one has the worlds
   // In slow motion frames are far apart, and what is drawn leads from one to the next.
-  const isSlow = before && period > 25;
-  painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
-  camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
-  painter.draw(camera);
-  showTitles(byId("titles"), painter, sides);
-  if (++ticks % 6 === 0 || isFresh && !frame.playing) showNumbers();
-  isFresh = false;
+  const blend = before && period > 25 ? Math.min(1, (performance.now() - arrived) / period) : 1;
+  if (frame) camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
+  const look = painter.look(camera, blend);
+  if (isFresh || look !== drawn) drawWorlds(look, blend); // a picture that stays the same costs nothing
+  if (!frame || isTold || ++ticks % 6 && frame.playing) return;
+  showNumbers();
+  isTold = true;
+}
+
+function drawWorlds(look, blend) {
+  isFresh = isTold = false;
+  drawn = look;
+  if (frame) painter.update(frame, before, blend);
+  painter.draw(camera); // an empty page, as where another one has the worlds, has a background
+  if (frame) showTitles(byId("titles"), painter, sides);
 }
 
 function saveAs(name, text, type) {
