@@ -36,21 +36,21 @@ inline Scene torn(Scene scene, const RodLaw& law) {
 inline std::vector<SharedScene> shared_scenes() {
   return {
       {"chain", [] { return scenes::make_chain(5000, 0.1, 10); }, 4},
-      {"net", [] { return scenes::make_net(64, 48); }, 4},
-      {"ensemble", [] { return scenes::make_ensemble({.chains = 200, .links = 32}); }, 4},
+      {"net", [] { return scenes::make_net(48, 32); }, 4},
+      {"ensemble", [] { return scenes::make_ensemble({.chains = 100, .links = 32}); }, 4},
       {"graph", [] { return scenes::make_graph({.particles = 2000, .degree = 5}); }, 5},
       {"net_of_cables",
-       [] { return with_law(scenes::make_net(64, 48), {.stiffness = 1e4, .damping = 5, .one_sided = true}); },
+       [] { return with_law(scenes::make_net(48, 32), {.stiffness = 1e4, .damping = 5, .one_sided = true}); },
        4},
-      {"torn_net", [] { return torn(scenes::make_net(64, 48), {.strength = 60}); }, 4},
+      {"torn_net", [] { return torn(scenes::make_net(48, 32), {.strength = 60}); }, 4},
       {"torn_ensemble",
        [] {
-         return torn(scenes::make_ensemble({.chains = 200, .links = 32}),
+         return torn(scenes::make_ensemble({.chains = 100, .links = 32}),
                      {.stiffness = 1e4, .one_sided = true, .strength = 60});
        },
        4},
       {"elastic_ensemble",
-       [] { return with_law(scenes::make_ensemble({.chains = 200, .links = 32}), {.stiffness = 1e4}); }, 4},
+       [] { return with_law(scenes::make_ensemble({.chains = 100, .links = 32}), {.stiffness = 1e4}); }, 4},
   };
 }
 

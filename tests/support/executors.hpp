@@ -20,8 +20,8 @@ inline constexpr bool can_watch_default_executor = !(thread_sanitizer && PLUMB_T
 
 /// Sizes from which the tests' executors share work: a part of the usual ones, as threads are tested on
 /// scenes that are too small for them to win.
-inline constexpr detail::SharingThresholds early{.projections = detail::SharingThresholds{}.projections / 5,
-                                                 .rods = detail::SharingThresholds{}.rods / 2};
+inline constexpr detail::SharingThresholds early{.projections = detail::SharingThresholds{}.projections / 10,
+                                                 .rods = detail::SharingThresholds{}.rods / 4};
 
 /// One task after the other on the calling thread, first to last or last to first.
 class SerialExecutor final : public Executor {
