@@ -297,7 +297,7 @@ def check_hands(view):
     view.until("window.plumb.painter.held < 0", "the hand lets go")
 
     view.pause()
-    for tool, aim in [("fix", "particle"), ("haul", "rod"), ("cut", "rod")]:
+    for tool, aim in [("fix", "particle"), ("reel", "rod"), ("cut", "rod")]:
         view.browser.find_element(By.CSS_SELECTOR, f"[data-tool={tool}]").click()
         ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, 400, -300).click().perform()
         assert view.note() == f"No {aim} there: click closer to one.", (tool, view.note())
@@ -479,7 +479,7 @@ def check_film(view, folder):
     view.click("ask")
     said = view.js("return document.body.innerText")  # of what is seen
     assert "shows a recording" in said and "The pale reference solves all at once" in said, said
-    assert not (asks := re.findall("Move End mass|Make the end|sliders|haul|dropped|Defaults", said)), asks
+    assert not (asks := re.findall("Move End mass|Make the end|sliders|[Rr]eel in|dropped|Defaults", said)), asks
     view.js("document.getElementById('help').close()")
     take_picture(view.browser, os.path.join(folder, "film.png"))
 

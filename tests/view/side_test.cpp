@@ -280,7 +280,7 @@ TEST(ViewSide, PullsCutsAndThrowsWhereBodiesTouch) {
   }
 }
 
-TEST(ViewSide, HaulsAndStops) {
+TEST(ViewSide, ReelsAndStops) {
   Exhibit exhibit(start_of("winch", {{.method = Method::direct, .substeps = 4}}));
   const double length = exhibit.sides()[0].scene().rods[0].length;
   exhibit.take({.verb = Verb::reel, .name = "rod", .value = "-0.3"});

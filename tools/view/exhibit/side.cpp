@@ -15,7 +15,7 @@ namespace {
 
 /// Pulls are known in scenes of up to so many rods, since they cost time.
 constexpr std::size_t most_rods_with_tensions = 20'000;
-/// A rod, tackle or reel is not hauled in further than to this share of its length at the start.
+/// A rod, tackle or reel is not reeled in further than to this share of its length at the start.
 constexpr double shortest = 0.05;
 
 /// Returns the scene with lengths that do not depend on where particles are.
@@ -277,7 +277,7 @@ void Side::reel(std::string_view kind, std::uint32_t number, double rate) {
     const std::size_t all = kind == "tackle" ? scene_.tackles.size() : scene_.reels.size();
     if (number >= all) throw InputError("no " + reeling.kind + " " + std::to_string(number));
   } else {
-    throw InputError("what is hauled is a rod, a tackle or a reel, not '" + reeling.kind + "'");
+    throw InputError("what is reeled is a rod, a tackle or a reel, not '" + reeling.kind + "'");
   }
   // An order to stay as it is, is refused where any would be.
   wind({reeling.kind, number, 0}, 0);

@@ -1,4 +1,4 @@
-// What mouse, touch and pen do: turn the view, and pull, cut, fix, haul and throw.
+// What mouse, touch and pen do: turn the view, and pull, cut, fix, reel and throw.
 import { vec } from "./camera.js";
 import { requests } from "./messages.js";
 import { note, unsay } from "./words/note.js";
@@ -7,7 +7,7 @@ const REACH = 28; // pixels within which something is picked
 const STILL = 6; // pixels that a click may move, else it is a drag that turns the view
 
 /** What each tool that picks something aims at. */
-const AIMS = { cut: "rod", haul: "rod", fix: "particle" };
+const AIMS = { cut: "rod", reel: "rod", fix: "particle" };
 
 /** Says what a click missed, where there is any to hit. */
 function missed(aim, { rods }) {
@@ -88,7 +88,7 @@ export class Hands {
 
   begin(at, event) {
     const particle = this.tool === "pull" || this.tool === "fix" ? this.nearestParticle(at) : null;
-    const rod = this.tool === "cut" || this.tool === "haul" ? this.nearestRod(at) : null;
+    const rod = this.tool === "cut" || this.tool === "reel" ? this.nearestRod(at) : null;
     if (this.tool === "pull" && particle) {
       this.drag = { kind: "pull", ...particle };
       this.painter.held = particle.particle;
@@ -100,7 +100,7 @@ export class Hands {
     } else if (this.tool === "cut" && rod) {
       this.page.send(requests.cut(rod.rod));
       this.drag = null;
-    } else if (this.tool === "haul" && rod) {
+    } else if (this.tool === "reel" && rod) {
       this.painter.chosen = rod.rod;
       this.page.choseRod(rod.rod);
       this.drag = null;

@@ -25,7 +25,7 @@ const MANY_FRAMES = 60; // of which none was taken: more is not a slow page but 
 const pace = new Pace(byId("pace"));
 const plots = makePlots(byId);
 let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null;
-let haulRate = 0, lastSides = null;
+let reelRate = 0, lastSides = null;
 let isFresh = false, isTold = false, drawn = "", ticks = 0; // whether worlds have news, whether numbers are those of now, what is shown
 
 // What was refused is no longer shown as if it had been taken.
@@ -81,7 +81,7 @@ const page = {
   choseRod: (rod) => {
     byId("winch").hidden = false;
     winch = { kind: "rod", number: rod };
-    byId("hauled").textContent = `rod ${rod}`;
+    byId("reeled").textContent = `rod ${rod}`;
   },
 };
 let winch = null;
@@ -112,8 +112,8 @@ function setScene(scene) {
   byId("verdict").textContent = byId("clock").textContent = ""; // a step may take long
   winch = scene.reels ? { kind: "reel", number: 0 } : scene.tackles.length ? { kind: "tackle", number: 0 }
     : scene.name.startsWith("winch") ? { kind: "rod", number: 0 } : null;
-  byId("winch").hidden = !winch || page.hands.tool !== "haul";
-  byId("hauled").textContent = winch ? `${winch.kind} ${winch.number}` : "";
+  byId("winch").hidden = !winch || page.hands.tool !== "reel";
+  byId("reeled").textContent = winch ? `${winch.kind} ${winch.number}` : "";
   const thrower = document.querySelector('[data-tool="throw"]');
   thrower.disabled = !scene.has_shapes;
   if (thrower.disabled && page.hands.tool === "throw") setTool("pull");
@@ -233,13 +233,13 @@ function setTool(tool) {
   if (disabled) return note(title + ".");
   page.hands.tool = tool;
   for (const button of document.querySelectorAll("[data-tool]")) button.setAttribute("aria-pressed", button.dataset.tool === tool);
-  byId("winch").hidden = tool !== "haul" || !winch;
-  if (tool === "haul" && !winch) note("Click the rod that is to be hauled.");
+  byId("winch").hidden = tool !== "reel" || !winch;
+  if (tool === "reel" && !winch) note("Click the rod that is to be reeled in or paid out.");
 }
 
-function haul(direction) {
-  if (!winch || direction === haulRate) return;
-  haulRate = direction;
+function reel(direction) {
+  if (!winch || direction === reelRate) return;
+  reelRate = direction;
   if (direction !== 0) page.sayIfPaused();
   send(requests.reel(winch.kind, winch.number, 0.25 * painter.size * direction));
 }
@@ -255,9 +255,9 @@ const keys = {
   t: () => flip("trails"), s: () => send(requests.record()), p: saveFilm, "?": () => byId("help").showModal(),
   f: () => camera.frame(painter.model),
   c: () => setColour(byId("colour").options[(byId("colour").selectedIndex + 1) % byId("colour").options.length].value),
-  "[": () => haul(-1), "]": () => haul(1),
+  "[": () => reel(-1), "]": () => reel(1),
 };
-["pull", "cut", "fix", "haul", "throw"].forEach((tool, i) => { keys[i + 1] = () => setTool(tool); });
+["pull", "cut", "fix", "reel", "throw"].forEach((tool, i) => { keys[i + 1] = () => setTool(tool); });
 
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select, input:not([type=range]):not([type=checkbox])") || byId("help").open) return;
@@ -267,7 +267,7 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   act();
 });
-addEventListener("keyup", (event) => { if ("[]".includes(event.key)) haul(0); });
+addEventListener("keyup", (event) => { if ("[]".includes(event.key)) reel(0); });
 byId("play").addEventListener("click", togglePlay);
 byId("step").addEventListener("click", keys["."]);
 byId("reset").addEventListener("click", keys.r);
@@ -280,8 +280,8 @@ byId("overlay").addEventListener("change", () => { painter.overlay = byId("overl
 byId("trails").addEventListener("change", () => { painter.trails = byId("trails").checked; painter.clearTrails(); });
 for (const button of document.querySelectorAll("[data-tool]")) button.addEventListener("click", () => setTool(button.dataset.tool));
 for (const button of document.querySelectorAll("[data-rate]")) {
-  button.addEventListener("pointerdown", () => haul(Number(button.dataset.rate)));
-  for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => haul(0));
+  button.addEventListener("pointerdown", () => reel(Number(button.dataset.rate)));
+  for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => reel(0));
 }
 for (const kind of ["dragover", "dragleave", "drop"])
   addEventListener(kind, (event) => { event.preventDefault(); byId("drop").hidden = kind !== "dragover"; });
