@@ -115,6 +115,11 @@ void Command::set_footer(const std::string& text) const {
   app_->footer(text);
 }
 
+void Command::set_footer(std::function<std::string()> text) const {
+  app_->footer(std::string());  // that of the whole command would follow
+  app_->footer(std::move(text));
+}
+
 void Command::set_action(Action action) const {
   // A command within a command is called back first, and is the one that was meant.
   app_->callback([chosen = chosen_, action = std::move(action)] {

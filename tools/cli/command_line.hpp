@@ -62,7 +62,10 @@ class Command {
 
   /// Calls `check` when all values are taken, to refuse those that do not go together.
   void check(std::function<void()> check) const;
+  /// Sets what help ends with.
   void set_footer(const std::string& text) const;
+  /// Sets what makes the text that help ends with. It is asked once values are taken.
+  void set_footer(std::function<std::string()> text) const;
   /// Sets what the command does.
   void set_action(Action action) const;
 

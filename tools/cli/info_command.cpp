@@ -50,6 +50,20 @@ SceneFacts facts_of(const Scene& scene) {
   return facts;
 }
 
+/// Prints the blocks of rods that are relaxed.
+void print_blocks(const WorldInfo& info) {
+  std::printf("\n");
+  Table table(
+      {"shape", "layout", "islands", "particles", "rods", "colours", "bytes", "bytes/projection", "uniform"});
+  for (const BlockInfo& b : info.blocks) {
+    table.add_row({b.shape, b.layout, std::to_string(b.islands), std::to_string(b.particles),
+                   std::to_string(b.rods), std::to_string(b.colors), std::to_string(b.bytes),
+                   short_number(b.bytes_per_projection, 3),
+                   short_number(100 * b.uniform_fraction, 4) + " %"});
+  }
+  std::fputs(table.to_text().c_str(), stdout);
+}
+
 void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts& facts,
                 const WorldInfo& info) {
   std::printf("scene      %s\n", options.scene.c_str());
@@ -75,16 +89,8 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
     if (!is_supported(isa)) continue;
     std::printf(" %s%s", std::string(to_string(isa)).c_str(), isa == best_isa() ? " (best)" : "");
   }
-  std::printf("; used: %s\n\n", std::string(to_string(info.isa)).c_str());
-  Table table(
-      {"shape", "layout", "islands", "particles", "rods", "colours", "bytes", "bytes/projection", "uniform"});
-  for (const BlockInfo& b : info.blocks) {
-    table.add_row({b.shape, b.layout, std::to_string(b.islands), std::to_string(b.particles),
-                   std::to_string(b.rods), std::to_string(b.colors), std::to_string(b.bytes),
-                   short_number(b.bytes_per_projection, 3),
-                   short_number(100 * b.uniform_fraction, 4) + " %"});
-  }
-  std::fputs(table.to_text().c_str(), stdout);
+  std::printf("; used: %s\n", std::string(to_string(info.isa)).c_str());
+  if (!info.blocks.empty()) print_blocks(info);
 }
 
 /// Returns the methods that may move the scene. Those that move no joints are left out where it has some.
@@ -152,11 +158,12 @@ void add_info_command(Command& plumb) {
   add_layout_options(command, options->settings);
   command.add_option("--report", "OUT.json", options->report, "Write the same as JSON to this file");
   command.add_option("--write", "SCENE.json", options->write, "Write the scene to this file");
-  command.set_footer(
-      "Examples:\n"
-      "  plumb info ensemble --precision float\n"
-      "  plumb info net:width=8,height=8 --write net.json\n\n" +
-      generators_help());
+  command.set_footer([options] {
+    return "Examples:\n"
+           "  plumb info ensemble --precision float\n"
+           "  plumb info net:width=8,height=8 --write net.json\n\n" +
+           generators_help(options->scene);
+  });
   command.set_action([options] { return info(*options); });
 }
 

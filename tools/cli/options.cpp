@@ -250,13 +250,19 @@ Option add_scene(Command& command, std::string& spec) {
   return command.add_option("SCENE", "", spec, "A scene file (.json) or a generator; see below").required();
 }
 
-std::string generators_help() {
-  std::string out = "Scenes: a JSON file, or a generator with the parameters that differ from these:\n";
+std::string generators_help(std::string_view spec) {
+  const std::string_view named = spec.substr(0, spec.find(':'));
+  std::string all, own;
   for (const scenes::GeneratorHelp& help : scenes::list_generators()) {
-    out += "  " + help.name + (help.parameters.empty() ? "" : ":" + help.parameters) + "\n      " +
-           help.summary + "\n";
+    const std::string text = "  " + help.name + (help.parameters.empty() ? "" : ":" + help.parameters) +
+                             "\n      " + help.summary + "\n";
+    all += text;
+    if (help.name == named)
+      own = "This scene, with its parameters as they are by default:\n" + text +
+            "Every scene also takes stiffness, damping, strength and cables.\n";
   }
-  return out;
+  if (!own.empty()) return own;
+  return "Scenes: a JSON file, or a generator with the parameters that differ from these:\n" + all;
 }
 
 void require_different_files(const std::vector<std::pair<std::string, std::string>>& files) {

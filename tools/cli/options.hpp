@@ -90,7 +90,8 @@ std::string methods_help(const std::vector<MethodInfo>& methods = all_methods())
 /// Adds the scene argument with its help.
 Option add_scene(Command& command, std::string& spec);
 
-/// Lists the generators with their parameters, for the end of a help text.
-std::string generators_help();
+/// Lists the generator of a scene with its parameters, or all of them where it has none, for the end of a
+/// help text.
+std::string generators_help(std::string_view spec = {});
 
 }  // namespace plumb::tools

@@ -301,6 +301,20 @@ void add_clock(Command& command, scenes::RunPlan& plan) {
       "on the clock");
 }
 
+constexpr const char* examples =
+    "Examples:\n"
+    "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
+    "  plumb run winch --winch 0:-0.5 --substeps 4 --trajectory hauled.csv\n"
+    "  plumb run thesis5 --method relax --sweeps 1000\n"
+    "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
+    "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "
+    "r.json\n"
+    "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
+    "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n"
+    "  plumb run heap --duration 60 --save heap.snapshot\n"
+    "  plumb run heap --duration 90 --resume heap.snapshot\n"
+    "  plumb run --replay replay.json\n\n";
+
 }  // namespace
 
 void add_run_command(Command& plumb) {
@@ -339,19 +353,7 @@ void add_run_command(Command& plumb) {
       throw InputError("--replay takes scene and settings from its file, and goes with no other option");
   });
   command.set_footer(
-      "Examples:\n"
-      "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
-      "  plumb run winch --winch 0:-0.5 --substeps 4 --trajectory hauled.csv\n"
-      "  plumb run thesis5 --method relax --sweeps 1000\n"
-      "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
-      "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "
-      "r.json\n"
-      "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
-      "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n"
-      "  plumb run heap --duration 60 --save heap.snapshot\n"
-      "  plumb run heap --duration 90 --resume heap.snapshot\n"
-      "  plumb run --replay replay.json\n\n" +
-      methods_help() + "\n" + generators_help());
+      [&o] { return std::string(examples) + methods_help() + "\n" + generators_help(o.scene); });
   command.set_action([options, command] {
     if (!options->replay.empty()) return repeat(options->replay);
     try {

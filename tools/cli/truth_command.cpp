@@ -101,6 +101,27 @@ int truth_of(const TruthOptions& options) {
   return fine;
 }
 
+constexpr const char* about =
+    "Solves the equations of motion by Taylor series in time, in long double, with every rigid rod "
+    "exactly\n"
+    "at its length. It does so twice, at order 20 and at order 26, with different steps. How far the two\n"
+    "lie apart is the accuracy stated: positions relative to the diagonal of the scene's box, velocities\n"
+    "relative to its speed. That is the greatest of sqrt(gravity * diagonal), the speed of the fastest\n"
+    "particle at the start, and what all mass gets from the energy of elastic rods then. The file is\n"
+    "written only if both are within the tolerance at every time saved; otherwise the exit status is 1 "
+    "and\n"
+    "the message says until when they were. Nothing here is shared with what `plumb run` does.\n\n"
+    "Rigid rods must start at their length, to 1e-10; velocities that pull on them are projected, as in a\n"
+    "run. Elastic rods may be damped; cables and rods that may break are refused, as they are not smooth.\n"
+    "Trees of rods have no limit; rods that close loops may be 1024, a third of that if they have mass.\n\n"
+    "Examples:\n"
+    "  plumb truth chain:links=20,end_mass=10 --save-at 0.1,0.5,1 --out truth.csv\n"
+    "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
+    "  plumb truth chain --save-at 0.5,1 --out truth.csv --tensions pulls.csv\n"
+    "  plumb run chain --truth truth.csv --truth-tensions pulls.csv --report r.json\n"
+    "  plumb truth winch --winch 0:-0.5 --save-at 1 --out winch.csv\n"
+    "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n";
+
 }  // namespace
 
 void add_truth_command(Command& plumb) {
@@ -121,27 +142,7 @@ void add_truth_command(Command& plumb) {
   add_positive(command, "--tolerance", o.plan.tolerance,
                "Refuse to write unless accurate to this, from 1e-15 [1e-9]");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors");
-  command.set_footer(
-      "Solves the equations of motion by Taylor series in time, in long double, with every rigid rod "
-      "exactly\n"
-      "at its length. It does so twice, at order 20 and at order 26, with different steps. How far the two\n"
-      "lie apart is the accuracy stated: positions relative to the diagonal of the scene's box, velocities\n"
-      "relative to its speed. That is the greatest of sqrt(gravity * diagonal), the speed of the fastest\n"
-      "particle at the start, and what all mass gets from the energy of elastic rods then. The file is\n"
-      "written only if both are within the tolerance at every time saved; otherwise the exit status is 1 "
-      "and\n"
-      "the message says until when they were. Nothing here is shared with what `plumb run` does.\n\n"
-      "Rigid rods must start at their length, to 1e-10; velocities that pull on them are projected, as in a\n"
-      "run. Elastic rods may be damped; cables and rods that may break are refused, as they are not smooth.\n"
-      "Trees of rods have no limit; rods that close loops may be 1024, a third of that if they have mass.\n\n"
-      "Examples:\n"
-      "  plumb truth chain:links=20,end_mass=10 --save-at 0.1,0.5,1 --out truth.csv\n"
-      "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
-      "  plumb truth chain --save-at 0.5,1 --out truth.csv --tensions pulls.csv\n"
-      "  plumb run chain --truth truth.csv --truth-tensions pulls.csv --report r.json\n"
-      "  plumb truth winch --winch 0:-0.5 --save-at 1 --out winch.csv\n"
-      "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n" +
-      generators_help());
+  command.set_footer([&o] { return std::string(about) + generators_help(o.scene); });
   command.set_action([options] { return truth_of(*options); });
 }
 

@@ -108,14 +108,15 @@ void add_view_command(Command& plumb) {
                                            "no server: worlds run in WebAssembly");
   folder.excludes(port);
   folder.excludes(open);
-  command.set_footer(
-      "Examples:\n"
-      "  plumb view\n"
-      "  plumb view net:width=24,height=24 --method relax --sweeps 20\n"
-      "  plumb view rope --compare 'relax against direct'\n"
-      "  plumb view --replay replay.json\n"
-      "  plumb view --export page humanoid\n\n" +
-      methods_help() + "\n" + generators_help());
+  command.set_footer([options] {
+    return "Examples:\n"
+           "  plumb view\n"
+           "  plumb view net:width=24,height=24 --method relax --sweeps 20\n"
+           "  plumb view rope --compare 'relax against direct'\n"
+           "  plumb view --replay replay.json\n"
+           "  plumb view --export page humanoid\n\n" +
+           methods_help() + "\n" + generators_help(options->scene);
+  });
   command.set_action([options] { return run(*options); });
 }
 
