@@ -68,6 +68,43 @@ TEST(ViewShow, MovesByOneWorldWhatNotAllOfThemMove) {
   EXPECT_NE(page.last("scene").find("wire"), std::string::npos);
 }
 
+TEST(ViewShow, BeginsLargeScenesWithOneWorld) {
+  Written page(compared("winch"));
+  const auto load = [&](const std::string& scene) {
+    page.show.obey(R"({"do":"load","name":")" + scene + "\"}");
+    return page.last("scene").find(scene) != std::string::npos;
+  };
+  const auto shows = [&](const std::string& name) {
+    return page.last("sides").find(R"("comparison":")" + name + "\"") != std::string::npos;
+  };
+  page.show.obey(R"({"do":"set","side":1,"name":"sweeps","value":"3"})");
+  EXPECT_TRUE(load("net") && shows("mass against equal"));
+  for (const char* const scene : {"graph", "heap", "wire", "heap"}) {
+    EXPECT_TRUE(load(scene) && shows("one world")) << scene;
+    EXPECT_NE(page.last("note").find("One world, since"), std::string::npos) << "it says so";
+    EXPECT_NE(page.last("note").find("\"refused\":false"), std::string::npos);
+  }
+  page.show.obey(R"({"do":"defaults"})");
+  EXPECT_TRUE(shows("one world"));
+  EXPECT_TRUE(load("rope") && shows("mass against equal"));
+  EXPECT_NE(page.last("sides").find(R"("sweeps":"3")"), std::string::npos) << "with what was set";
+  EXPECT_TRUE(load("heap") && shows("one world"));
+  page.show.obey(R"({"do":"compare","name":"relax against direct"})");
+  EXPECT_TRUE(shows("relax against direct"));
+  EXPECT_TRUE(load("heap:ropes=17") && shows("relax against direct")) << "who asked for them keeps them";
+  EXPECT_TRUE(load("rope") && shows("relax against direct"));
+  EXPECT_TRUE(load("heap") && shows("one world"));
+  page.show.obey(R"({"do":"compare","name":"one world"})");
+  EXPECT_TRUE(load("rope") && shows("one world")) << "it was chosen";
+}
+
+TEST(ViewShow, StartsAsItIsAsked) {
+  Written page(compared("heap"));
+  EXPECT_NE(page.last("sides").find("mass against equal"), std::string::npos);
+  page.show.obey(R"({"do":"reset"})");
+  EXPECT_NE(page.last("sides").find("mass against equal"), std::string::npos);
+}
+
 TEST(ViewShow, NamesWorldsByWhatTheyAreNow) {
   Written page(compared("winch:rods=4,load=10"));
   const auto says = [&](const std::string& text) {

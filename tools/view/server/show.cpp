@@ -16,6 +16,15 @@ namespace {
 constexpr std::size_t small_scene = 5'000;
 constexpr std::uint64_t frames_between_measures = 15;
 
+/// From so many rods or moving shapes on, three worlds side by side fall to half of real time or far below.
+/// What touches takes method direct long, which all comparisons have. Generators as they are by default have
+/// either at most 1,984 rods and 100 shapes, and keep up, or at least 2,000 rods or 320 shapes, and do not.
+constexpr std::size_t large_in_rods = 2'000, large_in_shapes = 200;
+
+bool is_large(const Scene& scene) {
+  return scene.rods.size() >= large_in_rods || scene.capsules.size() + scene.hulls.size() >= large_in_shapes;
+}
+
 std::size_t size_of(const Exhibit& exhibit) {
   std::size_t out = 0;
   for (const Side& side : exhibit.sides()) out += side.scene().particles.size();
@@ -79,6 +88,7 @@ void Show::obey(const Request& request) {
       start.sides = comparison(request.name).sides;
       begin_again(std::move(start));
       original_.sides = exhibit_.start().sides;
+      aside_.reset();
       return;
     }
     case Verb::add_side:
@@ -113,17 +123,35 @@ void Show::begin_again(Start start) {
   show_worlds();
 }
 
-/// Begins with another scene. Where the worlds of now do not all move it, a single one does.
+/// Begins with another scene. Where the worlds of now do not all move it, or would be slow, a single one
+/// does. They come back with the next scene for them. Who chose several worlds for a large scene keeps them.
 void Show::begin_with(Start start) {
   Start fresh{start.name, start.scene, original_.sides};
-  try {
-    begin_again(start);
-  } catch (const InputError& error) {
-    if (start.sides.size() == 1) throw;
+  if (aside_) {
+    start.sides = aside_->now;
+    fresh.sides = aside_->at_first;
+  }
+  Worlds chosen{start.sides, fresh.sides};
+  const bool are_several = start.sides.size() > 1;
+  const bool are_meant = !aside_ && is_large(exhibit_.start().scene);
+  std::string reason;
+  if (are_several && !are_meant && is_large(start.scene)) {
+    reason = "this scene is large, and several would be slow. Compare has them.";
+  } else {
+    try {
+      begin_again(start);
+    } catch (const InputError& error) {
+      if (!are_several) throw;
+      reason = std::string("not all could move this scene: ") + error.what();
+    }
+  }
+  if (!reason.empty()) {
     start.sides = fresh.sides = comparison("one world").sides;
     begin_again(std::move(start));
-    const std::string reason = std::string("One world, since not all could move this scene: ") + error.what();
-    outlet_.text(note_json(reason, false).dump());
+    outlet_.text(note_json("One world, since " + reason, false).dump());
+    aside_ = std::move(chosen);
+  } else {
+    aside_.reset();
   }
   original_ = std::move(fresh);
 }
@@ -137,6 +165,7 @@ void Show::load(const Request& request) {
     Replay replay = parse_replay(request.value, request.name);
     begin_again(replay.start);
     original_ = replay.start;
+    aside_.reset();
     repeater_.emplace(std::move(replay));
     return;
   } else {
@@ -162,6 +191,7 @@ void Show::change_sides(const Request& request) {
     start.sides.erase(start.sides.begin() + static_cast<std::ptrdiff_t>(side));
   }
   begin_again(std::move(start));
+  aside_.reset();
 }
 
 bool Show::step_if_due() {

@@ -38,6 +38,9 @@ class Show {
 
  private:
   using Clock = std::chrono::steady_clock;
+  struct Worlds {
+    std::vector<SideStart> now, at_first;  ///< With the settings of now, and before any was set.
+  };
 
   void obey(const Request& request);
   void change(const Request& request);
@@ -53,6 +56,8 @@ class Show {
 
   Exhibit exhibit_;
   Start original_ = exhibit_.start();  ///< Of the scene and the comparison, before anything was set.
+  /// Worlds that were chosen, while a scene is shown by one world since it cannot well be by them.
+  std::optional<Worlds> aside_{};
   Outlet outlet_;
   std::optional<Repeater> repeater_;
   bool playing_ = true;
