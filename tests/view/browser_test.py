@@ -244,6 +244,42 @@ def check_tabs(view):
     view.js("document.querySelectorAll('#tabs [role=tab]')[1].click()")
 
 
+# The colours of the pixels along a line across the end of the first world, from the outside in, without repetitions.
+ACROSS = """const { painter } = window.plumb, { gl, canvas } = painter, draw = painter.draw;
+const [x, y] = arguments[0], ratio = canvas.width / canvas.clientWidth, seen = [];
+return new Promise((done) => {
+  painter.draw = (camera) => {
+    draw.call(painter, camera);
+    painter.draw = draw;
+    const row = new Uint8Array(4 * 61);
+    gl.readPixels(canvas.width / 2 + ratio * x - 60, canvas.height / 2 - ratio * y, 61, 1, gl.RGBA, gl.UNSIGNED_BYTE, row);
+    for (let i = 0; i < 61; ++i) {
+      const [r, g, b] = row.subarray(4 * i, 4 * i + 3);
+      seen.push(r > g + 50 ? "orange" : b > g + 50 ? "blue" : g > b + 20 ? "green" : Math.max(r, g, b) - Math.min(r, g, b) < 40 ? "grey" : "");
+    }
+    done(seen.filter((name, i) => name && name !== seen[i - 1]));
+  };
+  window.plumb.camera.orbit(1, 0);
+});"""
+
+
+def check_over_each_other(view):
+    """Worlds that lie in one place are all seen: each is thinner than the one before."""
+    view.js("const { page, requests } = window.plumb; page.send(requests.compare('one world'))")
+    for count in [1, 2, 3]:
+        view.until(f"window.plumb.frame.sides.length === {count}", "there are so many")
+        view.browser.find_element(By.XPATH, "//*[@id='tabs']//button[.='+']").click()
+    view.until("window.plumb.frame.sides.length === 4", "there are four")
+    view.pause()
+    view.until("document.getElementById('clock').textContent.includes('frame')", "it is drawn")
+    end = view.frame("sides[0].positions.length / 3 - 1")
+    seen = view.js(ACROSS, view.js(PLACE, end))
+    assert [name for name in seen if name != "grey"] == ["blue", "orange", "green"], seen
+    view.js("window.plumb.page.send(window.plumb.requests.compare('mass against equal'))")
+    view.until("window.plumb.frame.sides.length === 3", "it is the comparison again")
+    view.pause(False)
+
+
 def check_words(view):
     """Every control and every choice is explained, also to who sees nothing; what has the focus is explained in its place."""
     plain = view.js("""return [...document.querySelectorAll('#panel :is(input, select, figure, #defaults, #tabs span button)')]
@@ -679,6 +715,7 @@ def check_page(plumb, folder):
             check_labels(view)
             check_low(view)
             check_tabs(view)
+            check_over_each_other(view)
             check_words(view)
             check_hands(view)
             view.click("reset")

@@ -310,8 +310,11 @@ std::vector<Generator> what_falls_in_numbers() {
                    {"friction", &P::friction},
                    {"joint_drag", &P::joint_drag},
                    {"seed", &P::seed}}),
-      describe<S>("shot", "something random that flies at a wall, a rope, a net, a figure or a box",
-                  make_shot_scene, {{"number", &S::number}, {"seed", &S::seed}}),
+      describe<S>(
+          "shot",
+          "a random ball, rod, rope or box hits ground, a rope, a net, a figure or a box at once, without "
+          "gravity, and flies off; each number=N is another",
+          make_shot_scene, {{"number", &S::number}, {"seed", &S::seed}}),
   };
 }
 

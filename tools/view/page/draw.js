@@ -2,6 +2,7 @@
 import { diverging, islandColour, mixed, rgb, sideColour } from "./colours.js";
 import { Plummet } from "./drawn/plummet.js";
 import { Trail } from "./drawn/trail.js";
+import { widthOf } from "./drawn/widths.js";
 import { makeInstances, makeProgram, makeTriangles, PointTexture } from "./gl.js";
 import { whatStays } from "./measured/parts.js";
 import { NOWHERE } from "./messages.js";
@@ -197,8 +198,7 @@ export class Painter {
       this.drawGround(matrices);
       // The first world is what others are compared with: a ghost behind them.
       for (const i of port.shown) this.drawShadow(matrices, this.sides[i]);
-      for (const i of port.shown)
-        this.drawSide(matrices, this.sides[i], i, port.shown.length > 1 && i === 0 && this.colour === "world");
+      for (const i of port.shown) this.drawSide(matrices, i, port.shown.length);
       this.drawHeight(matrices, camera, port);
     }
   }
@@ -257,18 +257,21 @@ export class Painter {
     gl.disable(gl.STENCIL_TEST);
   }
 
-  drawSide(matrices, side, number, isGhost) {
-    const gl = this.gl;
+  /** Draws a world, which may be one of several over each other. */
+  drawSide(matrices, number, count) {
+    const gl = this.gl, side = this.sides[number], isGhost = count > 1 && number === 0 && this.colour === "world";
     if (!side.positions) return;
+    const { level, rods, balls } = widthOf(number, count, this.model.scene.has_shapes);
     if (isGhost) gl.depthMask(false);
-    // It is wider than thin rods that lie over it, and hardly larger than what has a size.
-    const rods = this.model.scene.has_shapes ? 1.1 : 1.8, balls = this.model.scene.has_shapes ? 1.1 : 1.3;
-    for (const [program, instances, wider] of [[this.rod, side.sticks, rods], [this.ball, side.balls, balls]]) {
-      this.use(program, matrices, { alpha: isGhost ? 0.55 : 1, scale: isGhost ? wider : 1 });
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-level, -4 * level);
+    for (const [program, instances, scale] of [[this.rod, side.sticks, rods], [this.ball, side.balls, balls]]) {
+      this.use(program, matrices, { alpha: isGhost ? 0.55 : 1, scale });
       gl.bindTexture(gl.TEXTURE_2D, side.points.texture);
       gl.bindVertexArray(instances.array);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, instances.count);
     }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     if (side.hulls) {
       this.use(this.solid, matrices, { tint: [...sideColour(number, this.sides.length), isGhost ? 0.4 : 1] });
       gl.bindVertexArray(side.hulls.array);

@@ -31,7 +31,7 @@ const WORDS = [
   { name: "weights", label: "Weights", words: ["mass", "equal"] },
 ];
 
-const OTHERS = "The first world is the reference that others are compared with.";
+const OTHERS = "The first world, pale and wide, is the reference. Each is thinner than the one before, so that all are seen in one place.";
 
 function nearest(values, value) {
   if (value === "off") return Math.max(0, values.indexOf("off"));

@@ -75,7 +75,8 @@ void main() {
   vec3 center = seen(point(number).xyz);
   float r = radius * scale;
   color = tint;
-  gl_Position = projection * vec4(center + vec3(at * r, 0.5 * r), 1);
+  // As near as it is at its own size, so that one within another is not behind it.
+  gl_Position = projection * vec4(center + vec3(at * r, 0.5 * radius), 1);
   if (tint.a == 0.0) gl_Position = vec4(2, 2, 2, 1);
 }`;
 export const ballFragment = `

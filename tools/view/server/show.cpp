@@ -136,7 +136,7 @@ void Show::begin_with(Start start) {
   const bool are_meant = !aside_ && is_large(exhibit_.start().scene);
   std::string reason;
   if (are_several && !are_meant && is_large(start.scene)) {
-    reason = "this scene is large, and several would be slow. Compare has them.";
+    reason = "this scene is large and several would be slow. Compare brings them back.";
   } else {
     try {
       begin_again(start);
