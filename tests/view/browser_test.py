@@ -273,7 +273,10 @@ def check_over_each_other(view):
     view.pause()
     view.until("document.getElementById('clock').textContent.includes('frame')", "it is drawn")
     end = view.frame("sides[0].positions.length / 3 - 1")
+    view.js("const { camera, frame } = window.plumb, p = frame.sides[0].positions, k = 3 * arguments[0];"
+            "camera.zoom(0.2); camera.target = [p[k], p[k + 1], p[k + 2]]", end)
     seen = view.js(ACROSS, view.js(PLACE, end))
+    view.js("window.plumb.camera.frame(window.plumb.painter.model)")
     assert [name for name in seen if name != "grey"] == ["blue", "orange", "green"], seen
     view.js("window.plumb.page.send(window.plumb.requests.compare('mass against equal'))")
     view.until("window.plumb.frame.sides.length === 3", "it is the comparison again")
