@@ -186,6 +186,9 @@ def check_verdict(view):
                                  ([[6, 6], [6, 9.5]], alike, "All masses are alike, but small differences have grown."),
                                  ([[6, 6], [6, 6.1]], alike, "All masses are alike: weights make no difference.")]:
         assert view.js(says, worlds, masses) == said.strip(), (said, view.js(says, worlds, masses))
+    says = """return import("./measured/verdict.js").then(({ verdict }) => verdict(
+        ["truth", "direct", "relaxed"].map((name) => ({ name })), [[], ...arguments[0].map((at) => Array(99).fill(at))], {}, null, false))"""
+    assert view.js(says, [0.1, 40]) == "" and view.js(says, [12, 11]).startswith("Motions have parted"), "errors are so while motions are near"
 
 
 # Pairs of what a selector finds that cover each other, as texts or names.

@@ -299,25 +299,27 @@ std::string name_now(const SideStart& side) {
 }
 
 std::vector<Comparison> comparisons() {
-  return {{"mass against equal",
-           "Two worlds correct one rod or contact after the other. The pale reference solves all at once.",
-           {{"direct", direct()},
-            {"by mass", relaxed_closely(Weights::mass)},
-            {"equal", relaxed_closely(Weights::equal)}},
-           "Move End mass."},
-          {"relax against direct",
-           "One rod after the other, few times, against all rods at once.",
-           {{"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
-          {"gradients",
-           "Where a correction's direction is taken decides how much energy a step loses.",
-           {{"direct", direct()},
-            {"new", relaxed_by(Gradient::new_)},
-            {"old", relaxed_by(Gradient::old)},
-            {"mid", relaxed_by(Gradient::mid)}}},
-          {"error against truth",
-           "Distances are errors: the first world keeps an accuracy of 1e-7, as long as the motion lets it.",
-           {{"truth", accurate(1e-7)}, {"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
-          {"one world", "A single world, by method auto.", {{"auto", {.substeps = 2}}}}};
+  return {
+      {"mass against equal",
+       "Two worlds correct one rod or contact after the other. The pale reference solves all at once.",
+       {{"direct", direct()},
+        {"by mass", relaxed_closely(Weights::mass)},
+        {"equal", relaxed_closely(Weights::equal)}},
+       "Move End mass."},
+      {"relax against direct",
+       "One rod after the other, few times, against all rods at once.",
+       {{"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
+      {"gradients",
+       "Where a correction's direction is taken decides how much energy a step loses.",
+       {{"direct", direct()},
+        {"new", relaxed_by(Gradient::new_)},
+        {"old", relaxed_by(Gradient::old)},
+        {"mid", relaxed_by(Gradient::mid)}}},
+      {"error against truth",
+       "Distances are errors while the first world keeps its accuracy of 1e-7 and motions have not parted. "
+       "Later they tell only how differences grow.",
+       {{"truth", accurate(1e-7)}, {"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
+      {"one world", "A single world, by method auto.", {{"auto", {.substeps = 2}}}}};
 }
 
 Comparison comparison(std::string_view name) {

@@ -1,6 +1,6 @@
-// Says in words what a comparison of weights shows.
+// Says in words what a comparison of weights shows, and when errors tell nothing more.
 
-const RECENT = 180; // frames
+const RECENT = 180, ENOUGH = 60; // frames
 const NEAR = 1, CLOSE = 3, APART = 10, FAR = 1e4; // percent
 const MUCH = 2; // times as far
 const ALIKE = 0.1; // of the larger one
@@ -28,14 +28,22 @@ export function compared(sides) {
 /** Says how far a world has been. */
 const upTo = (name, most) => `${name} was ${most > FAR ? "" : "up to "}${percentText(most)}`;
 
+/** Returns a sentence where all worlds left the truth, whose distances (%) of the last seconds `series` lists; or none. */
+function parted(series) {
+  const recent = series.map((list) => list.slice(-RECENT));
+  const have = recent.length > 0 && recent.every((list) => list.length >= ENOUGH && Math.max(...list) > APART);
+  return have ? `Motions have parted: lately all were over ${APART} % off, and which is nearer is chance.` : "";
+}
+
 /**
  * Returns a sentence on worlds, whose distances (%) of the last seconds `series` lists; or none. It holds for all of these,
  * so that none that is shown beside it denies it. `masses` has those of their particles, and `endMass` is that of the
  * slider, if there is one, which `canMove` where it is no recording.
  */
 export function verdict(sides, series, { least, most, end }, endMass, canMove) {
+  if (sides[0]?.name === "truth") return parted(series.slice(1));
   const found = compared(sides), both = found?.map((i) => series[i]?.slice(-RECENT));
-  if (!both || !both.every((list) => list?.length >= 60)) return "";
+  if (!both || !both.every((list) => list?.length >= ENOUGH)) return "";
   const [m, e] = both.map((list) => Math.max(...list)), far = Math.max(m, e);
   if (!Number.isFinite(far)) return "One of them flew apart.";
   const heavier = endMass !== null && canMove ? " Make the end heavier." : "";
