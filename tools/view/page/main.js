@@ -143,7 +143,7 @@ function take(next) {
   if (missed < -1 || missed > MANY_FRAMES) painter.clearTrails();
   if (missed < -1) clearPlots(); // a recording begins again
   const now = performance.now();
-  if (missed > MANY_FRAMES && pace.hasSlept(now)) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
+  if (!isFilm && missed > MANY_FRAMES && pace.hasSlept(now)) note(`This page slept through ${missed} frames. It goes on at the present; plots and recording leave them out.`);
   if (frame && next.frame > frame.frame && missed <= MANY_FRAMES) {
     period = Math.min(400, Math.max(8, now - arrived));
     before = frame;

@@ -13,9 +13,21 @@ async function unpacked() {
   return { texts, frames: sizes.map((size) => all.slice(at, (at += size))) };
 }
 
+/** Adds a slider over so many frames. It calls `move` with the number of one, and `hold` with whether a pointer holds it. */
+function addSlider(count, move, hold) {
+  const slider = document.createElement("input");
+  Object.assign(slider, { type: "range", id: "place", min: 0, max: count - 1, step: 1, title: "Move in the recording (arrow keys, too)" });
+  slider.setAttribute("aria-label", "Place in the recording");
+  slider.addEventListener("input", () => move(Number(slider.value)));
+  slider.addEventListener("pointerdown", () => hold(true));
+  for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => hold(false)); // also beside it
+  document.getElementById("time").before(slider);
+  return slider;
+}
+
 /** Calls `on.text` and `on.frame` as a server would. Returns a function that takes requests about time. */
 export function connect(on) {
-  let film = null, next = 0, playing = true, speed = 1, time = 0, last = 0;
+  let film = null, slider = null, isHeld = false, next = 0, playing = true, speed = 1, time = 0, last = 0;
   const timeOf = (number) => new DataView(film.frames[number]).getFloat64(8, true);
   const isOver = () => next + 1 >= film.frames.length;
 
@@ -24,6 +36,8 @@ export function connect(on) {
     view.setUint32(20, playing ? 1 : 0, true);
     view.setFloat32(24, speed, true); // that of the recording is not that of now
     on.frame(film.frames[next]);
+    if (!isHeld) slider.value = next; // who is told a value in the middle of a drag ends it
+    slider.setAttribute("aria-valuetext", `${(timeOf(next) - timeOf(0)).toFixed(2)} s of ${length.toFixed(1)} s`);
     document.getElementById("pace").textContent = `Recording of ${length.toFixed(1)} s${isOver() ? ", ended" : ""}`;
   };
   const go = (number) => {
@@ -35,7 +49,7 @@ export function connect(on) {
     requestAnimationFrame(tick);
     const passed = Math.min(MOST_PASSED, now - last), before = next;
     last = now;
-    if (!playing) return;
+    if (!playing || isHeld) return;
     time += (passed / 1000) * speed;
     while (!isOver() && timeOf(next + 1) <= time) ++next;
     if (isOver()) playing = false;
@@ -58,6 +72,7 @@ export function connect(on) {
 
   unpacked().then((read) => {
     film = read;
+    slider = addSlider(film.frames.length, (number) => { go(number); show(); }, (holds) => { isHeld = holds; });
     film.texts.forEach(on.text);
     on.state("open", "");
     go(0);
