@@ -284,6 +284,7 @@ def check_over_each_other(view):
     view.js("window.plumb.page.send(window.plumb.requests.compare('mass against equal'))")
     view.until("window.plumb.frame.sides.length === 3", "it is the comparison again")
     view.pause(False)
+    view.js("document.querySelectorAll('#tabs [role=tab]')[1].click()")
 
 
 def check_words(view):
