@@ -46,8 +46,8 @@ inline std::size_t common_start(std::string_view a, std::string_view b) {
   return static_cast<std::size_t>(end - a.begin());
 }
 
-/// Returns how many slips make a word of a name. A word that is nearly a part of the name left out the rest in
-/// one slip. Dashes before the word are none of its letters.
+/// Returns how many slips make a word of a name. A word that is nearly a part of the name left out the rest
+/// in one slip. Dashes before the word are none of its letters.
 inline std::size_t slips(std::string_view word, std::string_view name) {
   const std::size_t whole = letters_apart(word, name);
   const std::string_view bare = word.substr(std::min(word.size(), word.find_first_not_of('-')));
@@ -64,7 +64,7 @@ inline std::string did_you_mean(std::string_view word, const std::vector<std::st
   for (const std::string& name : names) {
     const std::size_t longer = std::max(word.size(), name.size()),
                       shorter = std::min(word.size(), name.size());
-    const std::array off{slips(word, name), longer - shorter, longer - common_start(word, name)};
+    const std::array off{slips(word, name), longer - shorter, word.size() - common_start(word, name)};
     if (word.size() < 3 || off[0] > 1 + word.size() / 4 || (nearest && off >= least)) continue;
     least = off;
     nearest = &name;
