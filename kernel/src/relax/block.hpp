@@ -14,6 +14,7 @@
 #include "plumb/vec3.hpp"
 #include "relax/constants.hpp"
 #include "simd/relax/relax_kernels.hpp"
+#include "time/leftovers.hpp"
 
 namespace plumb::detail {
 
@@ -46,17 +47,13 @@ class Block {
   /// Makes the rods of positions [q0, q1) as long as they are `t` (s) after the step's start.
   void follow_lengths(std::uint32_t q0, std::uint32_t q1, double t);
 
-  /// What a substep keeps of C = |d|² - L² at its start, see Leftovers.
-  struct Keeping {
-    T keeps, fades;  ///< shares
-  };
   /// Lets rods keep something from now on, or no more. There is room for it.
   void begin_keeping() { kept_.resize(packing_.lane_edge.size()); }
   void end_keeping() { kept_.clear(); }
   bool is_keeping() const { return !kept_.empty(); }
   /// Lets rigid rods of a range do so. Ranges are no longer uniform then, until lengths are restored. Returns
   /// the largest |C|/L² that is kept.
-  T keep_violations(simd::Range range, const Keeping& by);
+  T keep_violations(simd::Range range, const Keeping<T>& by);
   void restore_lengths(simd::Range range, const Constants& constants);
 
   /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.

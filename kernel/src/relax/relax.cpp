@@ -62,8 +62,7 @@ class Substep {
         view_(block_.law_view(p_, moved.is_first ? settings.first_terms : settings.terms)),
         pull_(moved.is_first ? settings.first_pull : settings.pull),
         bound_(largest_violation<T>(settings.stop)),
-        keeping_{static_cast<T>(moved.leftovers.keeps(settings.h)),
-                 static_cast<T>(moved.leftovers.fades(settings.h))},
+        keeping_(moved.leftovers, settings.h),
         q0_(moved.q0),
         q1_(moved.q1) {}
 
@@ -357,7 +356,7 @@ class Substep {
   simd::LawView<T> view_;
   double pull_;  ///< It makes impulses of moves, in 1/s; it is 0 if pulls do not count.
   T bound_;      ///< Sweeps end at such a |C|/L² beside what is kept, if there is a tolerance.
-  typename Block<T>::Keeping keeping_;
+  Keeping<T> keeping_;
   bool can_meet_ = true;  ///< What is kept is within the tolerance.
   std::uint32_t q0_, q1_;
 };

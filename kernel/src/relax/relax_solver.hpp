@@ -83,7 +83,7 @@ class RelaxSolver final : public Solver {
   /// Rods that sweeps left off their lengths do not start there.
   void go_on(Slot, const Past& past) override {
     starts_off_length_ = false;
-    leftovers_.time = leftovers_.last = std::max(leftovers_.time, past.leftovers.time);
+    leftovers_.go_on(past.leftovers);
   }
   Past past(Slot) const override { return {.leftovers = leftovers_}; }
   void remove(Slot slot) override {

@@ -22,6 +22,8 @@ struct Leftovers {
     constexpr double longest = 0.5;  // s, for what a frame left that hung
     return std::min(1.0, std::max(h / time * (h / time), h / std::min(16 * time, longest)));
   }
+  /// Goes on with what others left, too. How much of it was to be kept is not known.
+  void go_on(const Leftovers& from) { time = last = std::max(time, from.time); }
   /// Lets a substep of `h` pass.
   void pass(double h) {
     time = is_shorter(h, time) ? std::max(h, time - fades(h) / 2 * time) : h;
@@ -31,6 +33,22 @@ struct Leftovers {
  private:
   /// Frames differ a little all the time, which matters as little.
   static bool is_shorter(double h, double than) { return h < 0.9 * than; }
+};
+
+/// Says which shares of violations a substep keeps: of what it finds more than was kept, and of that.
+template <class T>
+class Keeping {
+ public:
+  Keeping(const Leftovers& leftovers, double h)
+      : keeps_(static_cast<T>(leftovers.keeps(h))), fades_(static_cast<T>(leftovers.fades(h))) {}
+  /// Returns what is kept of what is `off`, of which `kept` was.
+  T of(T off, T kept) const {
+    const T wanted = (kept + keeps_ * (off - kept)) * (1 - fades_);
+    return std::clamp(wanted, std::min(off, T(0)), std::max(off, T(0)));
+  }
+
+ private:
+  T keeps_, fades_;
 };
 
 }  // namespace plumb::detail

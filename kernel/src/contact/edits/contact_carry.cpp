@@ -77,6 +77,8 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
     state.relax_for = was.relax_for;
     state.is_relaxed = was.is_relaxed;
     state.strain = was.strain;
+    state.leftovers = was.leftovers;
+    state.kept_violations = was.kept_violations;
     if (state.stiffness.size() == was.stiffness.size()) {
       state.stiffness = was.stiffness;
       state.stiffness_before = was.stiffness_before;

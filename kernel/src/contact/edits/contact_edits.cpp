@@ -48,6 +48,7 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
   relax_for = from.relax_for;
   is_relaxed = from.is_relaxed;
   strain = from.strain;
+  leftovers.go_on(from.leftovers);
 }
 
 /// Copies how elastics pull and are numbered, where as many are there.
@@ -279,6 +280,7 @@ std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, b
   const std::uint32_t number = numbers_.take(island_count());
   if (number >= island_count()) make_room(number + 1);
   LinkageState& state = states_[number] = LinkageState(*linkages_[kind], number, part);
+  if (relaxes_) state.kept_violations.reserve(state.linkage->rods());
   ++uses_[kind];
   if (counts_pulls_) state.pulls = state.linkage->make_pulls();
   state.pulls.touched.counts = counts_touches_;

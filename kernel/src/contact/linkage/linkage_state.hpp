@@ -11,6 +11,7 @@
 #include "contact/shapes/bounds.hpp"
 #include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
+#include "time/leftovers.hpp"
 
 namespace plumb::detail {
 
@@ -48,7 +49,9 @@ struct LinkageMotion {
   bool knows_tautness = false;  ///< those are of substeps
   /// It has 1 for rods that have broken, of those that give; none if no rod may.
   Array<std::uint8_t> broken;
-  RodLengths lengths;  ///< where the last substep ended, or the next step starts
+  RodLengths lengths;             ///< where the last substep ended, or the next step starts
+  Leftovers leftovers;            ///< of sweeps, where they are all that keeps rods at their lengths
+  Array<double> kept_violations;  ///< m², by rod, see Leftovers; none if nothing is kept
 };
 
 /// Holds one island of a linkage's kind, wherever it is.
@@ -110,12 +113,23 @@ struct LinkageState : LinkageMotion {
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
   double heaviest(Terms at) const;
 
+  /// Lets what held contacts go on as an impulse in a substep that is longer than the last one, and not as a
+  /// force. A blow is over by then, and would throw what landed.
+  void limit_kept(double h) {
+    if (asleep || !(leftovers.last > 0 && leftovers.last < h)) return;
+    for (KeptContact& each : kept) each.force = leftovers.last / h * each.force;
+  }
+  void forget_leftovers() {
+    leftovers = {};
+    kept_violations.clear();
+  }
   /// Lets the island stand still for good. Nothing of it stays that may not be finite: NaN has a sign that
   /// depends on the instruction set, and snapshots hold it.
   void freeze() {
     frozen = true;
     kept.clear();
     energy.reset();
+    forget_leftovers();
     std::fill(acceleration.begin(), acceleration.end(), Vec3{});
     forget_tautness();
   }
@@ -278,10 +292,10 @@ template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
          strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
-         knows_tautness, broken, lengths] = of;
+         knows_tautness, broken, lengths, leftovers, kept_violations] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
           strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
-          knows_tautness, broken, lengths);
+          knows_tautness, broken, lengths, leftovers.time, leftovers.last, kept_violations);
 }
 template <class Archive>
 void visit_members(Archive& archive, Linkage::AngleRule& of) {

@@ -79,6 +79,8 @@ void Visitor::come(LinkageState& state, ProjectionWork* work) {
   is_visiting_ = true;
   state.factored = false;
   state.kept.clear();
+  state.forget_leftovers();
+  state.leftovers.go_on(home_->past(slots_.front()).leftovers);
   state.energy.reset();
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
   if (work == nullptr) return;
@@ -88,6 +90,7 @@ void Visitor::come(LinkageState& state, ProjectionWork* work) {
 
 void Visitor::leave(const LinkageState& state) {
   for (std::size_t k = 0; k < slots_.size(); ++k) home_->set_motion(slots_[k], state.x[k], state.v[k]);
+  if (state.leftovers.any()) home_->go_on(slots_.front(), {.leftovers = state.leftovers});
   home_->set_away(slots_.front(), false);
   is_visiting_ = false;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace plumb::detail {
 namespace {
@@ -158,7 +159,10 @@ void Crowd<T>::weigh_rods(const CrowdRules& rules) {
 template <class T>
 void Crowd<T>::find_uniform() {
   ranges_.clear();
+  uneven_.clear();
+  kept_.clear();
   const auto rods = places_.rods();
+  kept_.reserve(rods.size());
   if (rods.empty()) return;
   std::size_t first = 0;  // that stays as it is
   while (first < changed_lanes_.size() && changed_lanes_[first] == first) ++first;
@@ -180,6 +184,7 @@ void Crowd<T>::find_uniform() {
       if (v == begin || ranges_.back().uniform != uniform) ranges_.push_back({v, v, uniform});
       ranges_.back().end = v + 1;
     }
+  for (const simd::Range& range : ranges_) uneven_.push_back({range.begin, range.end, false});
 }
 
 template <class T>
@@ -212,6 +217,7 @@ void Crowd<T>::scatter(LinkageState& state, std::uint32_t island) const {
 
 template <class T>
 void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels, bool counts) {
+  restore_lengths();
   const simd::BlockView<T> all = view();
   for (const simd::Range& range : ranges_) kernels.prepare(all, range);
   if (counts) std::fill_n(moved_.data(), places_.rods().size() * simd::moved_fields, T(0));
@@ -220,15 +226,73 @@ void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels, bool counts) {
 template <class T>
 void Crowd<T>::sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts) {
   const auto& sweeps = counts ? kernels.count : kernels.sweep;
-  sweeps[static_cast<int>(gradient)](view(), ranges_.data(), static_cast<std::uint32_t>(ranges_.size()));
+  const std::span<const simd::Range> of = ranges();
+  sweeps[static_cast<int>(gradient)](view(), of.data(), static_cast<std::uint32_t>(of.size()));
 }
 
 template <class T>
 T Crowd<T>::violation(const simd::AccessKernels<T>& kernels) {
   T most = 0;
   const simd::BlockView<T> all = view();
-  for (const simd::Range& range : ranges_) most = std::max(most, kernels.violation(all, range));
+  for (const simd::Range& range : ranges()) most = std::max(most, kernels.violation(all, range));
   return most;
+}
+
+template <class T>
+void Crowd<T>::keep_violations(double h) {
+  const auto rods = places_.rods();
+  const auto keeps = [&](std::uint32_t i) {
+    const Leftovers& left = laid_out_[i]->leftovers;
+    return moves_[i] != 0 && (left.any() || left.keeps(h) > 0);
+  };
+  std::uint32_t island = 0;
+  while (island < islands() && !keeps(island)) ++island;
+  if (island == islands()) return;
+  kept_.assign(rods.size(), T(0));
+  Keeping<T> by({}, h);
+  island = none;
+  for (std::uint32_t lane = 0; lane < rods.size(); ++lane) {
+    const CrowdPlaces::Rod& rod = rods[lane];
+    if (rod.island == none) continue;
+    const LinkageState& state = *laid_out_[rod.island];
+    if (std::exchange(island, rod.island) != rod.island) by = Keeping<T>(state.leftovers, h);
+    T& off = rod_[(lane / lanes * simd::rod_fields + 3) * lanes + lane % lanes];
+    if (!std::isfinite(off)) continue;
+    const bool has_kept = !state.kept_violations.empty();
+    kept_[lane] = by.of(off, has_kept ? static_cast<T>(state.kept_violations[rod.number]) : T(0));
+    most_kept_ = std::max(most_kept_, double{std::abs(kept_[lane]) * weight(lane, 3)});
+    off -= kept_[lane];
+    weight(lane, 0) += kept_[lane];
+  }
+}
+
+template <class T>
+void Crowd<T>::end_keeping(std::span<LinkageState* const> cluster, double h) const {
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    if (!is_moving(i) || cluster[i]->frozen) continue;
+    cluster[i]->leftovers.pass(h);
+    cluster[i]->kept_violations.clear();
+  }
+  if (kept_.empty()) return;
+  const auto rods = places_.rods();
+  for (std::uint32_t lane = 0; lane < rods.size(); ++lane) {
+    if (rods[lane].island == none) continue;
+    LinkageState& state = *cluster[rods[lane].island];
+    if (state.frozen || !state.leftovers.any()) continue;
+    state.kept_violations.resize(state.linkage->rods());
+    state.kept_violations[rods[lane].number] = kept_[lane];
+  }
+}
+
+/// Lets rods be as long again as they are.
+template <class T>
+void Crowd<T>::restore_lengths() {
+  most_kept_ = 0;
+  if (kept_.empty()) return;
+  kept_.clear();
+  const auto rods = places_.rods();
+  for (std::uint32_t lane = 0; lane < rods.size(); ++lane)
+    if (rods[lane].island != none) weight(lane, 0) = static_cast<T>(length2(rods[lane]));
 }
 
 template <class T>

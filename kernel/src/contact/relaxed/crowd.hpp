@@ -59,6 +59,13 @@ class Crowd {
   void predict(double h, Gradient gradient);
   /// Finds directions and violations of all rods where they are. Forgets what sweeps did if that `counts`.
   void prepare(const simd::AccessKernels<T>& kernels, bool counts);
+  /// Lets rods keep some of what they are found off their lengths in a substep of h (s), see Leftovers. A
+  /// crowd that is prepared again keeps nothing.
+  void keep_violations(double h);
+  /// Returns the largest |C|/L² that is kept.
+  double most_kept() const { return most_kept_; }
+  /// Notes what is kept, as the substep ends.
+  void end_keeping(std::span<LinkageState* const> cluster, double h) const;
   /// Sweeps once over all rods. Adds up what it does if `counts`.
   void sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts);
   /// Returns the largest violation of a rod, |C|/L².
@@ -175,11 +182,13 @@ class Crowd {
   void note_changed();
   bool have_others_changed() const;
   void find_uniform();
+  void restore_lengths();
   /// Returns a field of a rod's weights.
   T& weight(std::size_t lane, std::size_t field) {
     return weight_[(lane / lanes * simd::weight_fields + field) * lanes + lane % lanes];
   }
   simd::BlockView<T> view();
+  std::span<const simd::Range> ranges() const { return kept_.empty() ? ranges_ : uneven_; }
 
   const simd::Kernels<T>* all_kernels_;
   const simd::CrowdKernels<T>* kernels_;  ///< as particles are laid out
@@ -207,6 +216,9 @@ class Crowd {
   layouts::AlignedBuffer<T> rod_, weight_, moved_;
   Array<double> mass_of_move_;  ///< kg, by lane: makes impulses of moves
   Array<simd::Range> ranges_;   ///< of rods, colour after colour
+  Array<simd::Range> uneven_;   ///< likewise, where lengths are not restored
+  Array<T> kept_;               ///< m², by lane, in this substep; none if nothing is kept
+  double most_kept_ = 0;
   T uniform_length2_ = 1, uniform_share_ = 0, uniform_inverse_ = 1;
 };
 

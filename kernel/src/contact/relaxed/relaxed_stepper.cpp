@@ -42,6 +42,8 @@ std::uint32_t substeps_of(double time, double longest, std::uint32_t most) {
 template <class T>
 void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              const ClusterRules& rules, double dt, Tally& report) {
+  nominal_ = dt / rules.substeps;
+  leaves_ = rules_.step_sweeps == 0 && !rules.is_watched;
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
   team_ = rules.team;
   is_pressed_ = rules.is_pressed;
@@ -51,6 +53,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   for (LinkageState* const state : cluster) {
     state->elapsed += dt;
     state->lengths.follow(start);
+    state->limit_kept(nominal_);
   }
   ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
@@ -202,6 +205,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   brake_joints(cluster, h);
   if (gradient == Gradient::new_) guard_energy(cluster, before, h, bounces, report);
   contacts_.end(cluster, crowd_, h);
+  if (leaves_) crowd_.end_keeping(cluster, nominal_);
   count_pulls(cluster, gradient, h);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
@@ -301,6 +305,7 @@ void RelaxedStepper<T>::count_pulls(std::span<LinkageState* const> cluster, Grad
 template <class T>
 void RelaxedStepper<T>::begin_rows(std::span<LinkageState* const> cluster, double h) {
   crowd_.prepare(rod_kernels(), counts_);
+  crowd_.keep_violations(nominal_);
   if (!joints_.are_empty()) scatter(cluster);
   joints_.begin(cluster, crowd_, h, recovery_rate_);
 }
@@ -337,7 +342,8 @@ void RelaxedStepper<T>::sweep_held(Gradient gradient) {
 template <class T>
 void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   const StopRule& stop = rules_.stop;
-  const double bound = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
+  const double most = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
+  const double kept = crowd_.most_kept(), bound = kept < most ? most - kept : most;
   const auto deadline =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(
                          std::chrono::duration<double, std::micro>(stop.budget_us.value_or(0)));
@@ -349,7 +355,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   while (done < most_sweeps_) {
     if (stop.tolerance && left <= *stop.tolerance * settings_.length_scale &&
         crowd_.violation(rod_kernels()) <= bound) {
-      reason = StoppedBy::tolerance;
+      reason = kept < most ? StoppedBy::tolerance : StoppedBy::sweeps;
       break;
     }
     if (stop.budget_us && done > 0 && Clock::now() >= deadline) {

@@ -109,10 +109,12 @@ class RelaxedStepper final : public ClusterMover {
   std::uint32_t most_sweeps_ = 1;  ///< of a substep
   double recovery_rate_ = 0;
   double step_ = 0, driving_energy_ = 0;  ///< s, J, of the step
+  double nominal_ = 0;                    ///< s, of substeps that are not cut
   Team* team_ = nullptr;                  ///< that may help
   bool is_hit_ = false;                   ///< hulls move fast near what they may touch
   bool is_pressed_ = false;               ///< rods are off their lengths since ground is in their way
   bool counts_ = false;                   ///< some island's pulls count
+  bool leaves_ = false;                   ///< what sweeps leave is noted for shorter substeps
 };
 
 extern template class RelaxedStepper<float>;

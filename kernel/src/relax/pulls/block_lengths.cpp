@@ -55,7 +55,7 @@ void Block<T>::write_length(std::size_t lane, double length) {
 /// Sweeps of rigid rods divide by squared lengths, which are those that a substep leaves. A slack cable is
 /// not off its length, and a rod that gives is as its law says.
 template <class T>
-T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
+T Block<T>::keep_violations(simd::Range range, const Keeping<T>& by) {
   const std::size_t lanes = packing_.lanes;
   T largest = 0;
   for (std::size_t v = range.begin; v < range.end; ++v) {
@@ -72,8 +72,7 @@ T Block<T>::keep_violations(simd::Range range, const Keeping& by) {
         kept = 0;
         continue;
       }
-      const T wanted = (kept + by.keeps * (off - kept)) * (1 - by.fades);
-      kept = std::clamp(wanted, std::min(off, T(0)), std::max(off, T(0)));
+      kept = by.of(off, kept);
       largest = std::max(largest, std::abs(kept) * inverse);
       violations[lane] = off - kept;
       fields[lane] += kept;
@@ -122,7 +121,7 @@ void Block<T>::tell_apart(std::size_t lane) {
   template double Block<T>::rate(std::size_t) const;                            \
   template void Block<T>::follow_lengths(std::uint32_t, std::uint32_t, double); \
   template void Block<T>::write_length(std::size_t, double);                    \
-  template T Block<T>::keep_violations(simd::Range, const Keeping&);            \
+  template T Block<T>::keep_violations(simd::Range, const Keeping<T>&);         \
   template void Block<T>::restore_lengths(simd::Range, const Constants&);       \
   template double Block<T>::length2_of(std::size_t, const Constants&) const;    \
   template void Block<T>::forget_lengths_of_retired();                          \
