@@ -54,5 +54,32 @@ TEST(Leftovers, EndOnceTheyHaveFaded) {
   }
 }
 
+// A substep of half the length takes back a quarter of what it finds, and of what was kept another quarter.
+// What is on the other side of a rod's length, or closer to it, is not pulled away from there.
+TEST(Keeping, KeepsNoMoreThanThereIs) {
+  Leftovers leftovers;
+  leftovers.pass(1e-2);
+  const Keeping<double> half(leftovers, 5e-3), whole(leftovers, 1e-2);
+  EXPECT_DOUBLE_EQ(half.of(1, 0), 9.0 / 16);
+  EXPECT_DOUBLE_EQ(half.of(-1, 0), -9.0 / 16);
+  EXPECT_DOUBLE_EQ(half.of(1, 1), 3.0 / 4);
+  EXPECT_EQ(half.of(0.1, 10), 0.1);
+  EXPECT_EQ(half.of(0.1, -10), 0);
+  EXPECT_EQ(whole.of(1, 1), 0);
+}
+
+// An edit goes on with what the longest has left, as if nothing had been taken back.
+TEST(Leftovers, GoOnWithTheLongest) {
+  Leftovers leftovers, longer;
+  leftovers.pass(1e-3);
+  longer.pass(1e-2);
+  longer.pass(2e-3);
+  leftovers.go_on(longer);
+  EXPECT_EQ(leftovers.time, longer.time);
+  EXPECT_EQ(leftovers.last, longer.time);
+  leftovers.go_on({});
+  EXPECT_EQ(leftovers.time, longer.time);
+}
+
 }  // namespace
 }  // namespace plumb::detail::PLUMB_TEST_FILE
