@@ -70,8 +70,7 @@ ContactSolver::ContactSolver(const std::shared_ptr<const Scene>& scene, const Sc
     const std::size_t kind = like != last ? like->second : add_kind(part, {scene, parts.names(p), is_lumped});
     if (like == last) kinds.emplace(std::move(numbers), kind);
     const std::uint32_t number = number_of[p] = static_cast<std::uint32_t>(states_.size());
-    states_.emplace_back(*linkages_[kind], number, part).particles = parts.particles(p);
-    if (relaxes_) states_.back().kept_violations.reserve(linkages_[kind]->rods());
+    states_.emplace_back(*linkages_[kind], number, part, relaxes_).particles = parts.particles(p);
     ++uses_[kind];
     if (!plain) states_.back().gradient = gradient_;
     is_plain_.push_back(plain);

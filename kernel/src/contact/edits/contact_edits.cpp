@@ -279,8 +279,7 @@ void ContactSolver::make_room(std::uint32_t count) {
 std::uint32_t ContactSolver::begin_island(std::size_t kind, const Scene& part, bool plain) {
   const std::uint32_t number = numbers_.take(island_count());
   if (number >= island_count()) make_room(number + 1);
-  LinkageState& state = states_[number] = LinkageState(*linkages_[kind], number, part);
-  if (relaxes_) state.kept_violations.reserve(state.linkage->rods());
+  LinkageState& state = states_[number] = LinkageState(*linkages_[kind], number, part, relaxes_);
   ++uses_[kind];
   if (counts_pulls_) state.pulls = state.linkage->make_pulls();
   state.pulls.touched.counts = counts_touches_;

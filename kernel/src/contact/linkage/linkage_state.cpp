@@ -22,7 +22,7 @@ constexpr std::size_t kept_of_hull = 8;
 
 }  // namespace
 
-LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part)
+LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part, bool relaxes)
     : linkage(&kind),
       force(kind.movable()),
       laws(kind.elastic_laws().begin(), kind.elastic_laws().end()),
@@ -36,6 +36,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
     v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
   }
   kept.reserve(kept_of_capsule * kind.shapes().size() + kept_of_hull * kind.hulls().size());
+  if (relaxes) kept_violations.reserve(kind.rods());
   anchors_went.assign(kind.particles() - kind.movable(), Vec3{});
   elastic_numbers.assign(laws.size(), 0);
   if (kind.breaks()) broken.assign(kind.giving_rods(), 0);

@@ -57,8 +57,8 @@ struct LinkageMotion {
 /// Holds one island of a linkage's kind, wherever it is.
 struct LinkageState : LinkageMotion {
   /// Starts where the part of a scene does that the kind is made of, or one like it. It sleeps if all movable
-  /// particles do.
-  LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part);
+  /// particles do. Where it `relaxes` by sweeps alone, there is room for what these leave.
+  LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part, bool relaxes = false);
   /// Has ended, or not begun.
   explicit LinkageState(std::uint32_t island) : linkage(nullptr), number(island) { asleep = true; }
 
