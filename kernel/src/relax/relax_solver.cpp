@@ -67,8 +67,10 @@ void RelaxSolver<T>::begin_step(double dt, Team& team) {
   parts_ = team.parts();
   for (BlockGrab& grab : grabs_) grab.begin_step();
   if (wants_team()) begin_pulls(0);
-  if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
-  if (!is_controlled() && leftovers_.keeps(h_) > 0) block_.begin_keeping();
+  if (!is_controlled()) {
+    take_substeps_of(dt / rules_->settings.substeps);
+    if (leftovers_.keeps(h_) > 0) block_.begin_keeping();
+  }
   block_.release_anchors();
   elapsed_ = 0;
   if (std::exchange(lengths_jump_, false) || (!has_moved_ && starts_off_length_)) block_.settle();

@@ -22,6 +22,12 @@ struct Leftovers {
     constexpr double longest = 0.5;  // s, for what a frame left that hung
     return std::min(1.0, std::max(h / time * (h / time), h / std::min(16 * time, longest)));
   }
+  /// Returns the share of what held contacts in the last substep (N) with which one of `h` begins. If the
+  /// last was less than half as long as those before, it is at most twice its impulse.
+  double goes_on(double h) const {
+    const double usual = std::min(h, time);
+    return last > 0 && 2 * last < usual ? 2 * last / usual : 1;
+  }
   /// Goes on with what others left, too. How much of it was to be kept is not known.
   void go_on(const Leftovers& from) { time = last = std::max(time, from.time); }
   /// Lets a substep of `h` pass.

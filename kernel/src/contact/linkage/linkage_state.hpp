@@ -113,11 +113,12 @@ struct LinkageState : LinkageMotion {
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
   double heaviest(Terms at) const;
 
-  /// Lets what held contacts go on as an impulse in a substep that is longer than the last one, and not as a
-  /// force. A blow is over by then, and would throw what landed.
+  /// Lets what held contacts in a substep much shorter than those before go on as an impulse in a longer one,
+  /// and not as a force. A blow is over by then, and would throw what landed.
   void limit_kept(double h) {
-    if (asleep || !(leftovers.last > 0 && leftovers.last < h)) return;
-    for (KeptContact& each : kept) each.force = leftovers.last / h * each.force;
+    const double share = leftovers.goes_on(h);
+    if (asleep || share == 1) return;
+    for (KeptContact& each : kept) each.force = share * each.force;
   }
   void forget_leftovers() {
     leftovers = {};
