@@ -71,15 +71,15 @@ TEST(Keeping, KeepsNoMoreThanThereIs) {
 // A blow of a short substep is over, while what rests in equal ones or before a frame that hangs presses on.
 TEST(Leftovers, TakeForcesOfShortSubstepsForImpulses) {
   Leftovers leftovers;
-  EXPECT_EQ(leftovers.goes_on(1e-2), 1);
+  EXPECT_EQ(leftovers.force_share(1e-2), 1);
   leftovers.pass(1e-2);
-  EXPECT_EQ(leftovers.goes_on(1e-2), 1);
-  EXPECT_EQ(leftovers.goes_on(0.25), 1);
+  EXPECT_EQ(leftovers.force_share(1e-2), 1);
+  EXPECT_EQ(leftovers.force_share(0.25), 1);
   leftovers.pass(5e-3);
-  EXPECT_EQ(leftovers.goes_on(1e-2), 1);
+  EXPECT_EQ(leftovers.force_share(1e-2), 1);
   leftovers.pass(1e-3);
-  EXPECT_EQ(leftovers.goes_on(1e-3), 1);
-  EXPECT_DOUBLE_EQ(leftovers.goes_on(0.25), 2e-3 / leftovers.time);
+  EXPECT_EQ(leftovers.force_share(1e-3), 1);
+  EXPECT_DOUBLE_EQ(leftovers.force_share(0.25), 2e-3 / leftovers.time);
 }
 
 // An edit goes on with what the longest has left, as if nothing had been taken back.

@@ -24,7 +24,7 @@ struct Leftovers {
   }
   /// Returns the share of what held contacts in the last substep (N) with which one of `h` begins. If the
   /// last was less than half as long as those before, it is at most twice its impulse.
-  double goes_on(double h) const {
+  double force_share(double h) const {
     const double usual = std::min(h, time);
     return last > 0 && 2 * last < usual ? 2 * last / usual : 1;
   }

@@ -200,9 +200,9 @@ function draw() {
   // In slow motion frames are far apart, and what is drawn leads from one to the next.
   const blend = before && period > 25 ? Math.min(1, (performance.now() - arrived) / period) : 1;
   if (frame) camera.follow(frame.sides[0].positions, painter.model.thickness, painter.whatStays());
-  const look = painter.look(camera, blend);
-  if (isFresh || look !== drawn) drawWorlds(look, blend); // a picture that stays the same costs nothing
-  if (!frame || isTold || ++ticks % 6 && frame.playing) return;
+  const look = painter.look(camera, blend), isNews = isFresh;
+  if (isNews || look !== drawn) drawWorlds(look, blend); // a picture that stays the same costs nothing
+  if (!frame || isTold || ++ticks % 6 && (frame.playing || !isNews)) return;
   showNumbers();
   isTold = true;
 }

@@ -116,7 +116,7 @@ struct LinkageState : LinkageMotion {
   /// Lets what held contacts in a substep much shorter than those before go on as an impulse in a longer one,
   /// and not as a force. A blow is over by then, and would throw what landed.
   void limit_kept(double h) {
-    const double share = leftovers.goes_on(h);
+    const double share = leftovers.force_share(h);
     if (asleep || share == 1) return;
     for (KeptContact& each : kept) each.force = share * each.force;
   }

@@ -305,7 +305,7 @@ void RelaxedStepper<T>::count_pulls(std::span<LinkageState* const> cluster, Grad
 template <class T>
 void RelaxedStepper<T>::begin_rows(std::span<LinkageState* const> cluster, double h) {
   crowd_.prepare(rod_kernels(), counts_);
-  crowd_.keep_violations(nominal_);
+  if (leaves_) crowd_.keep_violations(nominal_);
   if (!joints_.are_empty()) scatter(cluster);
   joints_.begin(cluster, crowd_, h, recovery_rate_);
 }

@@ -114,7 +114,7 @@ class RelaxedStepper final : public ClusterMover {
   bool is_hit_ = false;                   ///< hulls move fast near what they may touch
   bool is_pressed_ = false;               ///< rods are off their lengths since ground is in their way
   bool counts_ = false;                   ///< some island's pulls count
-  bool leaves_ = false;                   ///< what sweeps leave is noted for shorter substeps
+  bool leaves_ = false;                   ///< what sweeps leave is kept in shorter substeps
 };
 
 extern template class RelaxedStepper<float>;
