@@ -163,8 +163,8 @@ void measure_bodies(Method method, const std::string& kind, Append&& append) {
   add_and_remove(world, one, false, name);
 }
 
-/// Packs ropes that came one by one.
-void measure_pack(Method method, std::uint32_t ropes) {
+/// Packs ropes that came one by one, with a frame after each, or all before the first frame.
+void measure_pack(Method method, std::uint32_t ropes, bool frames_between) {
   Scene scene;
   append_rope(scene, 0);
   World world(scene, {.method = method, .threads = 1});
@@ -172,6 +172,7 @@ void measure_pack(Method method, std::uint32_t ropes) {
     Scene rope;
     append_rope(rope, i);
     world.add(rope);
+    if (frames_between) world.step(frame);
   }
   Times before, pack, after;
   for (int i = 0; i < 100; ++i) before.time([&] { world.step(frame); });
@@ -181,8 +182,9 @@ void measure_pack(Method method, std::uint32_t ropes) {
       world.step(frame);
     });
   for (int i = 0; i < 100; ++i) after.time([&] { world.step(frame); });
-  const std::string name =
-      std::to_string(ropes) + " ropes one by one, " + std::string(to_string(method)) + ": ";
+  const std::string name = std::to_string(ropes) + " ropes " +
+                           (frames_between ? "one a frame" : "one by one") + ", " +
+                           std::string(to_string(method)) + ": ";
   before.say(name + "frame");
   pack.say(name + "frame with a pack");
   after.say(name + "frame after it");
@@ -199,6 +201,6 @@ int main() {
   for (const plumb::Method method : {plumb::Method::direct, plumb::Method::relax}) {
     plumb::bench::measure_bodies(method, "crates", plumb::bench::append_crate);
     plumb::bench::measure_bodies(method, "figures", plumb::bench::append_figure);
-    plumb::bench::measure_pack(method, 1000);
+    for (const bool frames_between : {false, true}) plumb::bench::measure_pack(method, 1000, frames_between);
   }
 }

@@ -250,7 +250,7 @@ bool edit(Twins& twins, Random& random) {
     return false;
   }
   if (kind == 14) {
-    add(twins, random);
+    for (std::uint32_t left = below(random, 3) == 0 ? 6 : 1; left > 0; --left) add(twins, random);
     return false;
   }
   if (kind > 11) {

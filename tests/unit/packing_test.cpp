@@ -35,6 +35,22 @@ Scene rope(double x, bool has_capsules = false) {
   return scene;
 }
 
+/// Returns `count` ropes that are apart as one scene.
+Scene ropes(std::uint32_t count) {
+  Scene whole = rope(0);
+  for (std::uint32_t i = 1; i < count; ++i) {
+    const Scene more = rope(0.5 * i);
+    const auto first = static_cast<std::uint32_t>(whole.particles.size());
+    whole.particles.insert(whole.particles.end(), more.particles.begin(), more.particles.end());
+    for (Rod rod : more.rods) {
+      rod.a += first;
+      rod.b += first;
+      whole.rods.push_back(rod);
+    }
+  }
+  return whole;
+}
+
 Scene floor_alone() {
   Scene scene;
   scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
@@ -65,17 +81,7 @@ std::vector<Block> blocks_of(World& world) {
 // Ropes that came one by one lie as in a world that began with them, and nothing jumps.
 TEST(Packing, LaysIslandsAsAStartDoes) {
   constexpr std::uint32_t count = 20;
-  Scene whole = rope(0);
-  for (std::uint32_t i = 1; i < count; ++i) {
-    const Scene more = rope(0.5 * i);
-    const auto first = static_cast<std::uint32_t>(whole.particles.size());
-    whole.particles.insert(whole.particles.end(), more.particles.begin(), more.particles.end());
-    for (Rod rod : more.rods) {
-      rod.a += first;
-      rod.b += first;
-      whole.rods.push_back(rod);
-    }
-  }
+  const Scene whole = ropes(count);
   for_methods([&](const Settings& settings) {
     World world(rope(0), settings), other(rope(0), settings), begun(whole, settings);
     for (World* const each : {&world, &other})
@@ -172,6 +178,70 @@ TEST(Packing, IsPartOfSnapshotsAndOtherSettings) {
     world.pack();
     step(world, 3);
     EXPECT_EQ(world.info().islands, 8u);
+  }
+}
+
+// What a program loads one by one before it steps lies as what it loads at once, and moves as it would alone.
+TEST(Arrivals, LieSideBySide) {
+  constexpr std::uint32_t count = 20;
+  for_methods([&](const Settings& settings) {
+    World world(Scene{}, settings), begun(ropes(count), settings), alone(rope(0.5 * (count - 1)), settings);
+    for (std::uint32_t i = 0; i < count; ++i) world.add(rope(0.5 * i));
+    step(world, 1);
+    step(alone, 1);
+    EXPECT_EQ(blocks_of(world), blocks_of(begun));
+    EXPECT_EQ(world.info().islands, count);
+    const double most = settings.precision == Precision::single ? 1e-5 : 1e-11;
+    for (std::uint32_t i = 0; i <= rods; ++i)
+      EXPECT_LE(norm(world.position((count - 1) * (rods + 1) + i) - alone.position(i)), most);
+  });
+}
+
+TEST(Arrivals, OfOneStepAlone) {
+  Settings settings{.method = Method::relax};
+  settings.stop.sweeps = 5;
+  World world(Scene{}, settings);
+  const auto blocks_that_step = [&] { return world.step(frame).block_sweeps / 5; };
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    world.add(rope(0.5 * i));
+    if (i % 3 != 2) continue;
+    EXPECT_EQ(blocks_that_step(), i + 1);  // three at a time gain too little
+  }
+  for (std::uint32_t i = 12; i < 17; ++i) world.add(rope(0.5 * i));
+  world.remove(12 * (rods + 1) + 1);
+  EXPECT_EQ(blocks_that_step(), 13u);  // the four that are left share a block
+  world.add(ropes(4));
+  EXPECT_EQ(blocks_that_step(), 14u);
+  for (std::uint32_t i = 0; i < 4; ++i) world.add(rope(0.5 * i));
+  world.cut(3);
+  EXPECT_EQ(blocks_that_step(), 16u);  // one for them, and one for either end of what was cut
+}
+
+// What was there keeps its bits, what was ordered goes on, and a snapshot between knows what is to come.
+TEST(Arrivals, LeaveOthersAlone) {
+  for (const Method method : {Method::automatic, Method::direct, Method::relax}) {
+    SCOPED_TRACE(to_string(method));
+    Settings settings{.method = method, .tensions = true};
+    if (method == Method::relax) settings.stop.sweeps = 50;
+    Scene begin = rope(-1, true);
+    begin.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
+    World world(begin, settings), without(begin, settings), restored(begin, settings);
+    for (World* const each : {&world, &without}) step(*each, 7);
+    for (std::uint32_t i = 0; i < 8; ++i) world.add(rope(0.5 * i, i % 2 == 0));
+    const std::uint32_t first = rods + 1, last = first + 7 * (rods + 1);
+    world.set_force(last + rods, {0.5, 0, 0});
+    const Handle<Grab> grab = world.grab(Grab::particle(first + rods, {0.1, 1, 0.6}, 20));
+    world.cut(rods + rods / 2);
+    std::vector<std::byte> waiting(world.snapshot_size());
+    world.save(waiting);
+    restored.restore(waiting);
+    for (World* const each : {&world, &without, &restored}) step(*each, 9);
+    EXPECT_EQ(restored.state_hash(), world.state_hash());
+    for (std::uint32_t i = 0; i <= rods; ++i) EXPECT_EQ(world.position(i), without.position(i));
+    EXPECT_TRUE(world.has(grab));
+    EXPECT_TRUE(world.is_broken(rods + rods / 2));
+    EXPECT_GT(world.position(last + rods).x, 3.5 + 1e-3);  // pushed by half its weight from x = 3.5
+    EXPECT_NEAR(world.position(last - 1).x, 3, 1e-6);
   }
 }
 

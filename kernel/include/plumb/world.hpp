@@ -224,10 +224,11 @@ class PLUMB_API World {
   void reserve(const Scene& like, std::uint32_t times = 1);
   /// Adds islands at once, as a world of that scene begins, with all but twists and reels. Numbers are the
   /// lowest of removed ones that are free in a row, or new, and depend on nothing but what was added and
-  /// removed before. Gravity and ground are those of the world. Throws InputError if validate() refuses the
-  /// scene, on ground and other drag than the world's, and where the settings cannot move it. So it does on
-  /// shapes, bodies, joints, springs, air on rods and sleepers in a world that began without any and without
-  /// ground.
+  /// removed before. Gravity and ground are those of the world. Four islands and more that came one by one
+  /// lie side by side from the next step on, as those of one scene do. Throws InputError if validate()
+  /// refuses the scene, on ground and other drag than the world's, and where the settings cannot move it. So
+  /// it does on shapes, bodies, joints, springs, air on rods and sleepers in a world that began without any
+  /// and without ground.
   Added add(const Scene& scene);
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
@@ -236,9 +237,9 @@ class PLUMB_API World {
   /// reels, and if what is freed in the next step would stay without mass.
   void remove(std::uint32_t particle);
   /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
-  /// Edits leave islands with solvers of their own, which takes longer. That step takes as long as a start,
-  /// and what is made anew wakes; nothing jumps. Islands with joints stay as they are. Throws InputError
-  /// under springs, multipliers and featherstone.
+  /// Edits of different steps leave islands with solvers of their own, which takes longer. The step that
+  /// packs takes as long as a start, and what is made anew wakes; nothing jumps. Islands with joints stay as
+  /// they are. Throws InputError under springs, multipliers and featherstone.
   void pack();
   /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.

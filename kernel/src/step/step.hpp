@@ -259,6 +259,7 @@ class Step : public InMemory {
   Scene scene_of(const Addition& of) const;
   Compiled compile_addition(const Scene& scene) const;
   void put(Split& now, Compiled made);
+  void list_arrivals(const Addition& of);
   void grow_tables();
   void measure_size(const Scene& scene);
   void relate_errors();

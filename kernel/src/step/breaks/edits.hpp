@@ -49,17 +49,20 @@ struct Edits {
   Array<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
   Array<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
   bool packs = false;                              ///< all islands are made anew, side by side
+  /// These particles are one of each island that was added since the last step by itself. The islands are
+  /// made anew side by side, too.
+  Array<std::uint32_t> arrived;
 
   bool any() const {
     return !joined.empty() || !cut.empty() || lists_any(severed) || !masses.empty() || !fixed.empty() ||
-           packs;
+           packs || !arrived.empty();
   }
   friend bool operator==(const Edits&, const Edits&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {
-  auto& [joined, cut, severed, masses, fixed, packs] = of;
-  archive(joined, cut, severed, masses, fixed, packs);
+  auto& [joined, cut, severed, masses, fixed, packs, arrived] = of;
+  archive(joined, cut, severed, masses, fixed, packs, arrived);
 }
 
 }  // namespace plumb::detail

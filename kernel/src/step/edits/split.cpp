@@ -12,6 +12,10 @@ namespace {
 /// Rods that are off their lengths by no more than this share were drawn by nothing but rounding.
 constexpr double drawn = 1e-6;
 
+/// Fewer islands than these that came one by one stay with solvers of their own: making them anew takes as
+/// long as some ten steps save.
+constexpr std::size_t least_side_by_side = 4;
+
 /// Returns so many numbers of solvers that are free, the first ones. The last may be new.
 Array<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
   Array<std::uint32_t> numbers;
@@ -41,6 +45,7 @@ Array<std::uint32_t> Step::broken_now() const {
 void Step::split(StepReport&) {
   if (is_to_fit_) fit();
   if (!(next_gravity_ == gravity_)) change_gravity();
+  if (edits_.arrived.size() < least_side_by_side) edits_.arrived.clear();
   if (!has_broken_ && !edits_.any()) return;
   Split now;
   if (std::exchange(has_broken_, false)) now.rods = broken_now();

@@ -125,6 +125,10 @@ Fallen Step::take_out(const Split& now) {
   for (const auto& [particle, is_fixed] : now.edits.fixed)
     if (!is_fixed && holds_linkage(particle)) breaks_.hold(particle);
   if (now.edits.packs) pack(parts);
+  for (const std::uint32_t particle : now.edits.arrived) {
+    touch(particle, parts);
+    breaks_.take_along(particle);
+  }
   for (const std::uint32_t particle : touched) touch(particle, parts);
   Ids meet = meeting(now.edits);
   for (const std::uint32_t rod : now.edits.cut)
