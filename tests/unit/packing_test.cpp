@@ -12,6 +12,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/edited_worlds.hpp"
+#include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
@@ -243,6 +244,35 @@ TEST(Arrivals, LeaveOthersAlone) {
     EXPECT_GT(world.position(last + rods).x, 3.5 + 1e-3);  // pushed by half its weight from x = 3.5
     EXPECT_NEAR(world.position(last - 1).x, 3, 1e-6);
   }
+}
+
+// Ropes that fill their lanes keep their bits, and who packs again without an edit between does nothing.
+TEST(Packing, LeavesWhatLiesWell) {
+  constexpr std::uint32_t begun = 32, added = 20;
+  for_methods([&](const Settings& settings) {
+    World world(ropes(begun), settings), other(ropes(begun), settings);
+    for (std::uint32_t i = 0; i < added; ++i)
+      for (World* const each : {&world, &other}) {
+        each->add(rope(-0.5 * (i + 1)));
+        each->step(frame);
+      }
+    world.pack();
+    step(world, 1);
+    step(other, 1);
+    for (std::uint32_t i = 0; i < begun * (rods + 1); ++i) EXPECT_EQ(world.position(i), other.position(i));
+    if (settings.method == Method::relax) {
+      EXPECT_NE(blocks_of(world), blocks_of(other));
+    }
+    const std::uint64_t packed = world.snapshot_size(), hash = [&] {
+      other.restore(test::snapshot_of(world));
+      step(other, 1);
+      return other.state_hash();
+    }();
+    world.pack();
+    step(world, 1);
+    EXPECT_EQ(world.snapshot_size(), packed);
+    EXPECT_EQ(world.state_hash(), hash);
+  });
 }
 
 TEST(Packing, IsRefusedWhereNothingIsEdited) {

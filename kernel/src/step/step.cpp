@@ -69,6 +69,7 @@ Step::Step(std::shared_ptr<const Scene> shared, const Settings& settings)
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   seats_.assign(compiled_.solvers.size(), Seat::kept);
+  is_loose_.assign(seats_.size(), 0);
   const bool moves_by_reference = settings.method == Method::springs ||
                                   settings.method == Method::multipliers ||
                                   settings.method == Method::featherstone;

@@ -126,7 +126,7 @@ class Step : public InMemory {
   /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number.
   /// Throws InputError where an island cannot be made anew, and if the settings cannot move the rod.
   std::uint32_t join(const Rod& rod, const Scene& alone);
-  /// Lets all islands be made anew side by side.
+  /// Lets islands that do not lie well be made anew side by side.
   void pack();
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
   Vec3 gravity() const { return gravity_; }  ///< m/s^2, of the last step
@@ -247,13 +247,14 @@ class Step : public InMemory {
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
   void take_along(const Split& now);
-  void pack(Array<std::uint32_t>& parts);
+  void list_side_by_side();
+  void list_loose();
   std::uint32_t put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   Array<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
                                      std::span<const std::uint32_t> touched, std::uint32_t& islands);
   void free_seats(std::span<const std::uint32_t> solvers);
-  void seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats);
+  void seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats, bool are_loose);
   std::uint32_t relaxed_rods_of(const Solver& solver) const;
   Settings settings_of_now() const;
   Scene scene_of(const Addition& of) const;
@@ -374,6 +375,7 @@ class Step : public InMemory {
   bool has_broken_ = false;  ///< some rod did in the last step
   bool is_to_fit_ = false;   ///< motion came from other settings, and is made to fit rods in the next step
   Array<Seat> seats_;        ///< by solver; free ones have none
+  Array<std::uint8_t> is_loose_;  ///< by solver: an edit made it, and no pack since
   RodJudge rods_;
   Sleep sleep_;
   Events events_;

@@ -57,6 +57,16 @@ std::uint32_t Breaks::whole_at(std::uint32_t rod) const {
   return whole_[a] != none ? whole_[a] : whole_[b];
 }
 
+Array<std::uint32_t> Breaks::heads() const {
+  Ids out;
+  for (const Whole& whole : wholes_) {
+    const auto head = std::find_if(whole.particles.begin(), whole.particles.end(),
+                                   [&](std::uint32_t each) { return whole_[each] != none; });
+    if (head != whole.particles.end()) out.push_back(*head);
+  }
+  return out;
+}
+
 std::optional<std::uint32_t> Breaks::twist_beside(std::uint32_t rod) const {
   const std::uint32_t whole = whole_at(rod);
   if (whole == none) return {};

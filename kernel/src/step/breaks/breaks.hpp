@@ -74,15 +74,6 @@ class Breaks {
   }
   /// Lets the island of a movable particle be made anew by the next take_out(), too.
   void take_along(std::uint32_t particle) { along_.push_back(particle); }
-  /// Does so with all islands that can be made anew.
-  void take_all_along() {
-    for (const Whole& whole : wholes_)
-      for (const std::uint32_t particle : whole.particles)
-        if (whole_[particle] != none) {
-          along_.push_back(particle);
-          break;
-        }
-  }
   std::span<const std::uint32_t> rods_at(std::uint32_t particle) const { return rods_at_.of(particle); }
   /// Returns the scene with what was added since. Of what was removed it has what was there last.
   const Scene& scene_now() const { return grown_ ? *grown_ : first_; }
@@ -104,6 +95,8 @@ class Breaks {
   /// Forgets what is listed. Where it has rods of particles that stay, they lose those.
   void remove(const Names& what);
 
+  /// Returns the first movable particle of each island.
+  Array<std::uint32_t> heads() const;
   /// Returns the particles of the island of a movable one, or none of a fixed one.
   std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
     if (whole_[particle] == none) return {};

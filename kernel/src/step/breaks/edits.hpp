@@ -48,21 +48,21 @@ struct Edits {
   Names severed;                                   ///< joints and springs, by kind; they ascend
   Array<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
   Array<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
-  bool packs = false;                              ///< all islands are made anew, side by side
-  /// These particles are one of each island that was added since the last step by itself. The islands are
-  /// made anew side by side, too.
-  Array<std::uint32_t> arrived;
+  /// Lists a particle of each island that is made anew, side by side: of those that were added by themselves
+  /// since the last step, and, once it `packs`, of all that do not lie well.
+  Array<std::uint32_t> side_by_side;
+  bool packs = false;
 
   bool any() const {
     return !joined.empty() || !cut.empty() || lists_any(severed) || !masses.empty() || !fixed.empty() ||
-           packs || !arrived.empty();
+           !side_by_side.empty() || packs;
   }
   friend bool operator==(const Edits&, const Edits&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {
-  auto& [joined, cut, severed, masses, fixed, packs, arrived] = of;
-  archive(joined, cut, severed, masses, fixed, packs, arrived);
+  auto& [joined, cut, severed, masses, fixed, side_by_side, packs] = of;
+  archive(joined, cut, severed, masses, fixed, side_by_side, packs);
 }
 
 }  // namespace plumb::detail

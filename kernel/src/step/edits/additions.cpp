@@ -10,13 +10,6 @@
 #include "step/step.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// More islands than these that are added at once share lanes among themselves, and lie well.
-constexpr std::size_t most_alone = 3;
-
-}  // namespace
-
 /// Returns what was added as a scene of its own, in this world's gravity and air.
 Scene Step::scene_of(const Addition& of) const {
   Scene out = of.scene;
@@ -47,25 +40,6 @@ ByKind<std::uint32_t> Step::add(const Scene& scene) {
   list_arrivals(now.added.front());
   log_.push_addition(std::move(now));
   return first;
-}
-
-/// Lets islands that come one by one lie side by side from the next step on. Those that came together do so
-/// already, and sleepers would wake by it.
-void Step::list_arrivals(const Addition& of) {
-  if (!has_archive_) return;
-  Array<std::uint32_t> heads;
-  for (std::uint32_t k = 0; k < of.scene.particles.size() && heads.size() <= most_alone; ++k) {
-    const std::uint32_t particle = of.first.particles + k;
-    const auto island = breaks_.island_at(particle);
-    const auto is_movable = [&](std::uint32_t each) { return !anchors_.is_fixed(each); };
-    const auto head = std::find_if(island.begin(), island.end(), is_movable);
-    if (head == island.end() || *head != particle) continue;
-    const Place* const place = contact_place(particle);
-    if (place && !compiled_.contact->may_go_home(place->slot)) continue;
-    if (of.scene.particles[k].asleep) return;
-    heads.push_back(particle);
-  }
-  if (heads.size() <= most_alone) append(edits_.arrived, heads);
 }
 
 void Step::make_room(const ByKind<std::uint32_t>& more) {
@@ -109,7 +83,7 @@ void Step::put(Split& now, Compiled made) {
   info.projected_velocity = std::max(info.projected_velocity, made.info.projected_velocity);
   info.projected_position = std::max(info.projected_position, made.info.projected_position);
   info.unprojected_islands += made.info.unprojected_islands;
-  seat(std::move(made.solvers), now.seats);
+  seat(std::move(made.solvers), now.seats, true);
   Fallen numbers;
   numbers.particles = names.particles;
   numbers.rods = names.rods;
@@ -266,7 +240,7 @@ void Step::drop_edits(const Names& of) {
   for (std::size_t kind = 0; kind < of.kinds; ++kind)
     std::erase_if(*edits_.severed.all()[kind],
                   [&](std::uint32_t number) { return is_gone(*of.all()[kind], number); });
-  std::erase_if(edits_.arrived, [&](std::uint32_t each) { return is_gone(of.particles, each); });
+  std::erase_if(edits_.side_by_side, [&](std::uint32_t each) { return is_gone(of.particles, each); });
   std::erase_if(edits_.masses, [&](const auto& each) { return is_gone(of.particles, each.first); });
   std::erase_if(edits_.fixed, [&](const auto& each) { return is_gone(of.particles, each.first); });
 }

@@ -12,10 +12,6 @@ namespace {
 /// Rods that are off their lengths by no more than this share were drawn by nothing but rounding.
 constexpr double drawn = 1e-6;
 
-/// Fewer islands than these that came one by one stay with solvers of their own: making them anew takes as
-/// long as some ten steps save.
-constexpr std::size_t least_side_by_side = 4;
-
 /// Returns so many numbers of solvers that are free, the first ones. The last may be new.
 Array<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
   Array<std::uint32_t> numbers;
@@ -45,7 +41,7 @@ Array<std::uint32_t> Step::broken_now() const {
 void Step::split(StepReport&) {
   if (is_to_fit_) fit();
   if (!(next_gravity_ == gravity_)) change_gravity();
-  if (edits_.arrived.size() < least_side_by_side) edits_.arrived.clear();
+  list_side_by_side();
   if (!has_broken_ && !edits_.any()) return;
   Split now;
   if (std::exchange(has_broken_, false)) now.rods = broken_now();
@@ -199,7 +195,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
   for (const std::uint32_t twist : fallen.leaving_twists) compiled_.twists.replace(twist, {});
   free_seats(solvers);
   compiled_.info.islands += made.info.islands - islands;
-  seat(std::move(made.solvers), now.seats);
+  seat(std::move(made.solvers), now.seats, !now.edits.packs);
   put_places(fallen, made, now.seats);
   if (!fallen.parts.empty()) {
     compiled_.info.islands += put_parts(parts);
@@ -274,12 +270,14 @@ void Step::free_seats(std::span<const std::uint32_t> solvers) {
 }
 
 /// Gives new solvers the numbers `seats`, or if there are none, the first ones that are free, and says which.
-void Step::seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats) {
+void Step::seat(Array<std::unique_ptr<Solver>> made, Array<std::uint32_t>& seats, bool are_loose) {
   if (seats.empty()) seats = free_numbers(made.size(), seats_);
   for (std::size_t k = 0; k < seats.size(); ++k) {
     const std::uint32_t number = seats[k];
     if (number >= seats_.size()) seats_.resize(number + std::size_t{1}, Seat::free);
     if (number >= compiled_.solvers.size()) compiled_.solvers.resize(number + std::size_t{1});
+    is_loose_.resize(seats_.size(), 0);
+    is_loose_[number] = are_loose ? 1 : 0;
     seats_[number] = Seat::taken;
     compiled_.info.relaxed_rods += relaxed_rods_of(*made[k]);
     compiled_.solvers[number] = std::move(made[k]);

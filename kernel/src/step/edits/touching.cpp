@@ -124,8 +124,7 @@ Fallen Step::take_out(const Split& now) {
   };
   for (const auto& [particle, is_fixed] : now.edits.fixed)
     if (!is_fixed && holds_linkage(particle)) breaks_.hold(particle);
-  if (now.edits.packs) pack(parts);
-  for (const std::uint32_t particle : now.edits.arrived) {
+  for (const std::uint32_t particle : now.edits.side_by_side) {
     touch(particle, parts);
     breaks_.take_along(particle);
   }
@@ -161,21 +160,6 @@ Fallen Step::take_out(const Split& now) {
   out.part_edits = std::move(edits);
   out.met = std::move(met);
   return out;
-}
-
-/// Lets all islands be made anew that can be. Lists those of the contact solver among them, which get new
-/// homes.
-void Step::pack(Ids& parts) {
-  for (std::uint32_t island = 0; island < contact_islands(); ++island) {
-    const auto particles = compiled_.contact->particles_of(island);
-    if (particles.empty()) continue;  // it has ended
-    if (compiled_.contact->may_go_home(compiled_.contact->first_slot(island)))
-      parts.push_back(island);
-    else
-      for (const std::uint32_t particle : particles.first(compiled_.contact->movable_of(island)))
-        breaks_.hold(particle);
-  }
-  breaks_.take_all_along();
 }
 
 /// Makes the contact solver's islands anew. Those that come together are looked at as one scene, as it is

@@ -68,8 +68,8 @@ void Step::archive_rules(Archive& archive) {
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, grabs, reactions,
          origin, breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken,
-         is_to_fit, seats, rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited,
-         active, last_dt] = *this;
+         is_to_fit, seats, is_loose, rods, sleep, events, size, rules, budget, zones, stages, dt, reports,
+         visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
