@@ -107,14 +107,14 @@ class ContactSolver final : public Solver {
     const auto anchors = surroundings_.anchored.anchors();
     return std::binary_search(anchors.begin(), anchors.end(), particle);
   }
-  /// Takes in islands that are new. Those of particles and rods are plain, and at home from the start on; the
-  /// others move here alone.
+  /// Takes in new islands. Those of particles and rods are plain, and at home from the start on.
   Array<Made> add(const NamedPart& part);
   /// Returns the scene's numbers of what an island has but its particles.
   const Names& names_of(std::uint32_t island) const { return names_[island]; }
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
+  void end_contacts_of(const Names& gone);  ///< in the next step, since their shapes are removed
 
   // --- Other settings (contact/edits/contact_carry.cpp)
 
@@ -152,8 +152,7 @@ class ContactSolver final : public Solver {
   void set_law(std::uint32_t number, const Torsion& torsion);
   void set_law(std::uint32_t number, const AngleControl& angle);
   double torsion_angle(std::uint32_t number) const;
-  /// Write how one that is there acts now, all but its places. A torsion seeks its angle from within half a
-  /// turn of now.
+  /// Write how one acts now, all but its places; a torsion seeks its angle within half a turn of now.
   void read_law(std::uint32_t number, Spring& out) const;
   void read_law(std::uint32_t number, Torsion& out) const;
   void read_law(std::uint32_t number, AngleControl& out) const;
@@ -304,7 +303,8 @@ class ContactSolver final : public Solver {
   using Whereabouts = Array<std::pair<std::uint32_t, std::uint32_t>>;
   Whereabouts whereabouts() const;
   void take_motion(LinkageState& state, const ContactSolver& from, const Whereabouts& were) const;
-  void take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const;
+  void take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was,
+                 std::span<const std::uint32_t> now) const;
   void take_laws(const ContactSolver& from);
   NamedPart named_part(std::uint32_t island) const;
   void copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number, LinkageState& to,

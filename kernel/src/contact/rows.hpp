@@ -78,6 +78,11 @@ inline KeyKind kind_of(std::uint64_t key) {
   return static_cast<KeyKind>(key >> 60);
 }
 
+/// Returns whether the number of another island is mixed into a key.
+inline bool names_island(std::uint64_t key) {
+  return kind_of(key) == KeyKind::island || kind_of(key) == KeyKind::hulls;
+}
+
 /// This is in the key of what resists turning at a contact.
 inline constexpr std::uint64_t turning_key = std::uint64_t{1} << 63;
 

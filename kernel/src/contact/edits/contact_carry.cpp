@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "contact/contact_solver.hpp"
+#include "contact/rows.hpp"
 
 namespace plumb::detail {
 auto ContactSolver::whereabouts() const -> Whereabouts {
@@ -31,13 +32,19 @@ void ContactSolver::go_on_from(const ContactSolver& from) {
       visitors_[state.number].stay();
   }
   take_laws(from);
-  const auto are_same = [](const LinkageState& one, const LinkageState& other) {
-    return one.particles == other.particles;
+  // Islands have other numbers than before where removed ones left gaps.
+  Array<std::uint32_t> now(from.states_.size(), no_island);
+  const auto for_same = [&](auto&& f) {
+    for (LinkageState& state : states_) {
+      const std::uint32_t was = state.linkage ? were[state.particles.front()].first : no_island;
+      if (was != no_island && state.particles == from.states_[was].particles &&
+          names_[state.number] == from.names_[was])
+        f(state, from.states_[was]);
+    }
   };
-  if (!std::equal(states_.begin(), states_.end(), from.states_.begin(), from.states_.end(), are_same)) return;
-  for (LinkageState& state : states_)
-    if (state.linkage != nullptr) take_step(state, from, from.states_[state.number]);
-  if (lists_contacts_ && from.lists_contacts_) contacts_ = from.contacts_;
+  for_same([&](const LinkageState& state, const LinkageState& was) { now[was.number] = state.number; });
+  for_same([&](LinkageState& state, const LinkageState& was) { take_step(state, from, was, now); });
+  contacts_ = lists_contacts_ && from.lists_contacts_ ? from.contacts_ : ContactList();
   if (counts_pulls_ == from.counts_pulls_) ground_pushes_ = from.ground_pushes_;
 }
 
@@ -68,11 +75,18 @@ void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
   state.slow_time = was.slow_time;
 }
 
-/// Takes what the last step left of an island whose number is what it was. That is where the next one starts
-/// to look for forces, if these are alike, and what it was pushed with.
-void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const {
+/// Takes what the last step left of an island that has the same particles, shapes and joints. That is where
+/// the next one starts to look for forces, if these are alike, and what it was pushed with. `now` says which
+/// numbers islands have here.
+void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was,
+                              std::span<const std::uint32_t> now) const {
   if (relaxes_ == from.relaxes_) {
     state.kept = was.kept;
+    const auto has_moved = [&](const LinkageState& each) {
+      return now[each.number] != each.number && each.linkage != nullptr;
+    };
+    if (std::any_of(from.states_.begin(), from.states_.end(), has_moved))
+      std::erase_if(state.kept, [](const KeptContact& each) { return names_island(each.key); });
     state.on_ground = was.on_ground;
     state.relax_for = was.relax_for;
     state.is_relaxed = was.is_relaxed;
@@ -85,15 +99,15 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
       state.knows_tautness = was.knows_tautness;
     }
   }
-  if (counts_touches_ && from.counts_touches_) state.pulls.touched = was.pulls.touched;
-  if (counts_pulls_ != from.counts_pulls_ || state.pulls.elastics.size() != was.pulls.elastics.size()) return;
   const LinkagePulls& pulls = was.pulls;
+  const bool counts_touches = state.pulls.touched.counts;
   const auto fits = [](const auto& one, const auto& other) { return one.size() == other.size(); };
-  if (fits(pulls.rods, state.pulls.rods) && fits(pulls.fixed, state.pulls.fixed)) {
-    const bool counts_touches = state.pulls.touched.counts;
+  if (counts_pulls_ == from.counts_pulls_ && fits(pulls.elastics, state.pulls.elastics) &&
+      fits(pulls.rods, state.pulls.rods) && fits(pulls.fixed, state.pulls.fixed))
     state.pulls = pulls;
-    state.pulls.touched.counts = counts_touches;
-  }
+  if (counts_touches_ && from.counts_touches_) state.pulls.touched = pulls.touched;
+  state.pulls.touched.counts = counts_touches;
+  state.pulls.touched.renumber(now);
 }
 
 /// Takes what programs changed of springs and their like, how often they turned, and what broke.

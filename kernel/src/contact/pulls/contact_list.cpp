@@ -36,8 +36,14 @@ void ContactList::end() {
   contacts_.clear();
   std::erase_if(last_, [](const Contact& each) { return each.phase == ContactPhase::ended; });
   auto old = last_.begin();
+  std::sort(gone_.begin(), gone_.end());
+  const auto is_gone = [&](ShapeId shape) { return std::binary_search(gone_.begin(), gone_.end(), shape); };
+  const auto ends = [&](const Contact& each, const Key* next) {
+    if (next == nullptr || names(each) < names(*next)) return true;
+    return names(each) == names(*next) && (is_gone(each.a) || is_gone(each.b));
+  };
   const auto end_before = [&](const Key* next) {
-    for (; old != last_.end() && (next == nullptr || names(*old) < names(*next)); ++old)
+    for (; old != last_.end() && ends(*old, next); ++old)
       contacts_.push_back({old->a, old->b, ContactPhase::ended, old->point, old->normal, Vec3{}, 0});
   };
   for (auto it = keys_.begin(); it != keys_.end();) {
@@ -53,6 +59,7 @@ void ContactList::end() {
                          sum.impulse, sum.approach});
   }
   end_before(nullptr);
+  gone_.clear();
   is_steady_ = std::all_of(contacts_.begin(), contacts_.end(),
                            [](const Contact& each) { return each.phase == ContactPhase::persisted; });
 }

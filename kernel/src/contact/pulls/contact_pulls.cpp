@@ -81,6 +81,12 @@ void ContactSolver::list_contacts() {
   contacts_.end();
 }
 
+void ContactSolver::end_contacts_of(const Names& gone) {
+  if (!counts_touches_) return;
+  for (const std::uint32_t each : gone.capsules) contacts_.end_pairs_of({ShapeKind::capsule, each});
+  for (const std::uint32_t each : gone.hulls) contacts_.end_pairs_of({ShapeKind::hull, each});
+}
+
 Vec3 ContactSolver::ground_force(std::uint32_t ground) const {
   return ground < ground_pushes_.size() ? ground_pushes_[ground] : mean(LinkagePulls{}, Vec3{});
 }

@@ -38,6 +38,14 @@ void TouchedPairs::add(std::uint32_t shape, std::uint32_t island, std::uint32_t 
   if (pairs_.size() >= few_) merge();
 }
 
+void TouchedPairs::renumber(std::span<const std::uint32_t> now) {
+  std::erase_if(pairs_, [&](TouchedPair& each) {
+    if (each.island == TouchedPair::ground) return false;
+    each.island = now[each.island];
+    return each.island == none;
+  });
+}
+
 void TouchedPairs::merge() {
   for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
     const TouchedPair& each = pairs_[i];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "plumb/layouts/memory.hpp"
 #include "plumb/vec3.hpp"
@@ -39,6 +40,7 @@ struct TouchedPair {
 /// their bits do not depend on when that is.
 class TouchedPairs {
  public:
+  static constexpr std::uint32_t none = 0xffffffff;
   bool counts = false;
 
   void begin_step();
@@ -47,6 +49,8 @@ class TouchedPairs {
   void add(std::uint32_t shape, std::uint32_t island, std::uint32_t other, const TouchPush& push);
   /// Adds up all of a pair, and sorts pairs by their numbers.
   void merge();
+  /// Lets pairs name other islands by the numbers that these have `now`. Of those that have `none` they go.
+  void renumber(std::span<const std::uint32_t> now);
   /// Lists the pairs of the last step.
   template <class Archive>
   void archive(Archive& archive) {

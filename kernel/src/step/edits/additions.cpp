@@ -207,6 +207,7 @@ Names Step::list_island(std::uint32_t particle) const {
 /// Lets nobody know what is gone any more.
 void Step::forget(const Names& gone) {
   const Scene& scene = breaks_.scene_now();
+  if (compiled_.contact) compiled_.contact->end_contacts_of(gone);
   for (const std::uint32_t rod : gone.rods) {
     if (settings_.tensions)
       for (const std::uint32_t end : {scene.rods[rod].a, scene.rods[rod].b})
