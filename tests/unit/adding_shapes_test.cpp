@@ -128,6 +128,73 @@ TEST(AddingShapes, GetTheNumbersOfThoseThatAreGone) {
   for (const std::uint32_t from : {0u, 4u, 8u}) EXPECT_NEAR(pushed(from), weight, 0.05 * weight) << from;
 }
 
+/// Returns how many pairs are in a phase.
+std::ptrdiff_t count_of(const World& world, ContactPhase phase) {
+  return std::count_if(world.contacts().begin(), world.contacts().end(),
+                       [&](const Contact& each) { return each.phase == phase; });
+}
+
+// A pair is of shapes, not of their numbers, which others may have a moment later.
+TEST(AddingShapes, BeginContactsOfTheirOwn) {
+  for_settings([](const Settings& settings) {
+    World world(floor_alone(), settings);
+    const Added gone = world.add(rope({0, radius, 0}, {1, 0, 0}));
+    for (int i = 0; i < 10; ++i) world.step(frame);
+    const std::ptrdiff_t touched = count_of(world, ContactPhase::persisted);
+    ASSERT_GE(touched, 2);
+    world.remove(gone.particle);
+    EXPECT_EQ(world.add(rope({9, radius, 0}, {0, 0, 1})), gone);
+    std::vector<std::byte> kept(world.snapshot_size());
+    world.save(kept);
+    World fresh(floor_alone(), settings);
+    fresh.restore(kept);
+    for (World* const each : {&world, &fresh}) {
+      each->step(frame);
+      EXPECT_EQ(count_of(*each, ContactPhase::ended), touched);
+      EXPECT_GE(count_of(*each, ContactPhase::began), 2);
+      EXPECT_EQ(count_of(*each, ContactPhase::persisted), 0);
+    }
+    const Contact &first = world.contacts()[0], &second = world.contacts()[1];
+    EXPECT_EQ(first.a, second.a);
+    EXPECT_EQ(first.phase, ContactPhase::ended);
+    EXPECT_LE(first.point.x, 1);
+    EXPECT_EQ(second.phase, ContactPhase::began);
+    EXPECT_GE(second.point.x, 8);
+    world.step(frame);
+    EXPECT_EQ(count_of(world, ContactPhase::ended), 0);
+  });
+}
+
+// Cuts make islands anew, whose shapes are what they were.
+TEST(AddingShapes, KeepContactsThroughEdits) {
+  for_settings([](const Settings& settings) {
+    World world(floor_alone(), settings);
+    const Added added = world.add(rope({0, radius, 0}, {1, 0, 0}));
+    for (int i = 0; i < 10; ++i) world.step(frame);
+    world.cut(added.rod + 1);
+    world.pack();
+    world.step(frame);
+    for (const Contact& each : world.contacts())
+      EXPECT_TRUE(each.phase == ContactPhase::persisted || each.a.number == added.capsule + 1);
+    EXPECT_GE(count_of(world, ContactPhase::persisted), 2);
+  });
+}
+
+TEST(AddingShapes, EndContactsWhereNothingIsLeft) {
+  World world(floor_alone(), {.tensions = true, .contacts = true});
+  const Added added = world.add(rope({0, radius, 0}, {1, 0, 0}));
+  for (int i = 0; i < 200; ++i) world.step(frame);
+  ASSERT_EQ(world.step(frame).awake_islands, 0u);
+  EXPECT_LE(world.contact_force({ShapeKind::plane, 0}).y, -1);
+  const std::ptrdiff_t touched = count_of(world, ContactPhase::persisted);
+  world.remove(added.particle);
+  world.step(frame);
+  EXPECT_EQ(count_of(world, ContactPhase::ended), touched);
+  EXPECT_EQ(world.contact_force({ShapeKind::plane, 0}), Vec3{});
+  world.step(frame);
+  EXPECT_TRUE(world.contacts().empty());
+}
+
 TEST(AddingShapes, ComeBackWithSnapshots) {
   for_settings([](const Settings& settings) {
     World world(floor_alone(), settings);

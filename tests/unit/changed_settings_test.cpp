@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumb/plumb.hpp"
@@ -212,6 +213,48 @@ TEST(ChangedSettings, LetWhatSleepsSleepOn) {
     world.set_settings(after);
     EXPECT_GE(world.step(frame).awake_islands, 4u);
     EXPECT_LE(apart(world, World(scene, before)), 3);
+  });
+}
+
+/// Names the pairs that touch, with what they push in N s.
+std::vector<std::pair<std::pair<ShapeId, ShapeId>, Vec3>> pairs_of(const World& world) {
+  std::vector<std::pair<std::pair<ShapeId, ShapeId>, Vec3>> out;
+  for (const Contact& each : world.contacts()) {
+    EXPECT_EQ(each.phase, ContactPhase::persisted);
+    out.push_back({{each.a, each.b}, each.impulse});
+  }
+  return out;
+}
+
+// What was removed left its number of an island free, which the changed world does not know.
+TEST(ChangedSettings, KeepContactsWhereOthersWereRemoved) {
+  for_changes([&](Settings before, Settings after) {
+    for (Settings* const each : {&before, &after}) each->contacts = each->tensions = true;
+    World world(test::touching(), before);
+    const auto add = [&](Vec3 from) {
+      Scene rope;
+      test::add_rope(rope, from, {0, 0, 1}, 4, false);
+      for (std::uint32_t i = 0; i < 4; ++i)
+        rope.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
+      return world.add(rope).particle;
+    };
+    const std::uint32_t gone = add({5, 0.02, 0});
+    add({0.12, 0.06, -0.2});  // across the first rope
+    test::run(world, frame, 2);
+    world.remove(gone);
+    std::uint32_t awake = 9;
+    for (int i = 0; i < 1200 && awake > 1; ++i) awake = world.step(frame).awake_islands;
+    ASSERT_LE(awake, 1u);
+    const auto pairs = pairs_of(world);
+    ASSERT_GE(pairs.size(), 12u);
+    const Vec3 weight = world.contact_force({ShapeKind::plane, 0});
+    EXPECT_LE(weight.y, -15);
+    world.set_settings(after);
+    EXPECT_EQ(pairs_of(world), pairs);
+    EXPECT_EQ(world.contact_force({ShapeKind::plane, 0}), weight);
+    world.step(frame);
+    EXPECT_EQ(pairs_of(world), pairs);
+    EXPECT_LE(norm(world.contact_force({ShapeKind::plane, 0}) - weight), 1e-12);
   });
 }
 

@@ -306,11 +306,10 @@ class PLUMB_API World {
   void copy_contact_forces(std::span<Vec3> out) const;
 
   /// Returns the pairs of shapes, not their points, that touched in the last step, and those that did in the
-  /// step before alone. Each is one entry, in the order of their names. They stay until the next step().
-  ///
-  /// Their impulses, with gravity and forces, make the change of momentum. Pairs that sleep persist as they
-  /// were in their last step awake; what sleeps does not end by that. Throws InputError without
-  /// Settings::contacts.
+  /// step before alone, in the order of their names. They stay until the next step(). Pairs of a shape that
+  /// was removed end. Where one that was added has its name, a pair that began may follow with both names.
+  /// Impulses, with gravity and forces, make the change of momentum. Pairs that sleep persist as they were in
+  /// their last step awake. Throws InputError without Settings::contacts.
   std::span<const Contact> contacts() const;
 
   /// Returns what became of islands and rods in the last step: what woke, fell asleep, broke, froze, and was
