@@ -93,6 +93,23 @@ TEST(Sleep, NeedsStillnessWithoutABreak) {
   EXPECT_EQ(stand(true, 7), 0u);
 }
 
+// A body on a line of 10 m turns round at 5 cm with 0.049 m/s², below the speed of sleep for 0.8 s. Without
+// that, it sleeps once it is slow.
+TEST(Sleep, LeavesAwakeWhatTurnsRound) {
+  for (const double aside : {0.05, 0.0}) {
+    Scene scene;
+    scene.particles.push_back(test::fixed({0, 10, 0}));
+    MassProperties box = solid_box(10, {0.3, 0.3, 0.3});
+    box.center = {aside, 10 - std::sqrt(100 - aside * aside), 0};
+    const std::uint32_t body = add_body(scene, box);
+    add_spherical(scene, point_at(0), point_on_body(scene, body, {0, 10, 0}));
+    World world(scene, direct);
+    std::uint32_t fell = 0;
+    for (int i = 0; i < 600; ++i) fell += world.step(1.0 / 60).fell_asleep;
+    EXPECT_EQ(fell, aside > 0 ? 0u : 1u);
+  }
+}
+
 // A step is a world's, without its checks.
 TEST(Step, IsThatOfAWorld) {
   const Scene scene = scenes::make_chain(8);

@@ -159,7 +159,8 @@ struct ContactSettings {
   /// sweeps leave them after 1.6 s.
   double sweep_tolerance = 4e-3;
   /// Islands that something holds are at rest below this speed (m/s). After Settings::sleep_time they sleep.
-  /// It is that of their fastest particle or, where they are relaxed, the root mean square by mass.
+  /// It is that of their fastest particle or, where they are relaxed, the root mean square by mass. What
+  /// changes its mean velocity by half of this within that time stays awake, as where a pendulum turns.
   double sleep_speed = 0.02;
 
   /// Returns whether all members are equal.

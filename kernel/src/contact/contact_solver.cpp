@@ -214,8 +214,8 @@ void ContactSolver::end_step(StepReport& report) {
     if (!visitors_[island].is_at_home()) ++report.awake_islands;
 }
 
-/// Returns whether a cluster has been slow for long enough to sleep and something holds it. A cluster that
-/// nothing holds is slow only for a while, such as at the top of a throw.
+/// Returns whether a cluster has been slow for long enough to sleep and something holds it. What nothing
+/// holds is slow only for a while, as at the top of a throw, and so is what turns round, which accelerates.
 bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) const {
   bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
@@ -223,10 +223,11 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
     // What sweeps leave makes a particle here or there jump, though its island rests.
     const double speed = relaxes_ || state->is_relaxed ? mean_speed(*state) : top_speed(*state);
     const bool is_slow = speed < settings_.sleep_speed && !state->is_pushed_out;
-    state->slow_time = is_slow ? state->slow_time + dt : 0;
+    state->follow_slowness(is_slow, dt);
     const bool is_grabbed = state->linkage->first_grab() < state->linkage->elastics().size();
     held = held || state->linkage->is_grounded() || is_grabbed || !state->kept.empty();
-    slow = slow && is_slow && state->slow_time >= sleep_time_ && !is_carried(*state);
+    slow = slow && is_slow && state->slow_time >= sleep_time_ && !is_carried(*state) &&
+           2 * state->change_within(sleep_time_) < settings_.sleep_speed;
   }
   return slow && held;
 }
@@ -236,8 +237,7 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
   const auto lives = [](const LinkageState& state) { return state.linkage != nullptr; };
-  const bool is_alone =
-      std::count_if(states_.begin(), states_.end(), lives) == 1 && surroundings_.are_empty();
+  const bool is_alone = surroundings_.are_empty() && std::ranges::count_if(states_, lives) == 1;
   return {.order = is_alone ? time_order_ : std::min(time_order_, 2u), .by_comparison = true};
 }
 

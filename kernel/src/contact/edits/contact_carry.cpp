@@ -73,6 +73,7 @@ void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
       if (was.particles[i] == state.particles[k])
         state.anchors_went[k - movable] = was.anchors_went[i - were_movable];
   state.slow_time = was.slow_time;
+  state.slow_from = was.slow_from;
 }
 
 /// Takes what the last step left of an island that has the same particles, shapes and joints. That is where

@@ -321,6 +321,30 @@ double top_speed(const LinkageState& state) {
   return std::sqrt(square) + state.lengths.speed();
 }
 
+namespace {
+
+/// Returns the mean velocity (m/s) of an island's movable particles, by mass.
+Vec3 mean_velocity(const LinkageState& state) {
+  double mass = 0;
+  Vec3 sum{};
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
+    mass += state.linkage->mass_of(k);
+    sum += state.linkage->mass_of(k) * state.v[k];
+  }
+  return mass > 0 ? 1 / mass * sum : Vec3{};
+}
+
+}  // namespace
+
+void LinkageState::follow_slowness(bool is_slow, double dt) {
+  if (is_slow && slow_time == 0) slow_from = mean_velocity(*this);
+  slow_time = is_slow ? slow_time + dt : 0;
+}
+
+double LinkageState::change_within(double time) const {
+  return time / slow_time * norm(mean_velocity(*this) - slow_from);
+}
+
 double mean_speed(const LinkageState& state) {
   double mass = 0, sum = 0;
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {

@@ -39,6 +39,7 @@ struct LinkageMotion {
   bool is_relaxed = false;         ///< method auto relaxed its last step
   Strain strain = Strain::none;    ///< its rods do not fit, and are relaxed
   double slow_time = 0;            ///< time for which it has been slow, s
+  Vec3 slow_from{};                ///< m/s, its mean velocity when it became slow
   std::optional<double> energy{};  ///< J, that free flight keeps, or that elastics may have
   double most_motion = 0;          ///< J, most of kinetic and elastic energy since that was noted
   Array<double> elastic_numbers;   ///< m or rad, of elastics; turns are counted by them
@@ -94,6 +95,10 @@ struct LinkageState : LinkageMotion {
   /// Goes on from a motion that was copied from motion().
   void return_to(const LinkageMotion& motion);
 
+  /// Notes at the end of a step of dt (s) whether it is slow.
+  void follow_slowness(bool is_slow, double dt);
+  /// Returns how much its mean velocity (m/s) changes in a time (s), if it goes on as since it is slow.
+  double change_within(double time) const;
   /// Begins a substep of h (s): slows waves that it cannot follow. Or lets all waves be as they are.
   void slow_waves(double h);
   void free_waves();
@@ -292,11 +297,11 @@ void visit_members(Archive& archive, KeptContact& of) {
 template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-         strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
-         knows_tautness, broken, lengths, leftovers, kept_violations] = of;
+         strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
+         stiffness_before, knows_tautness, broken, lengths, leftovers, kept_violations] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-          strain, slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before,
-          knows_tautness, broken, lengths, leftovers.time, leftovers.last, kept_violations);
+          strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
+          stiffness_before, knows_tautness, broken, lengths, leftovers.time, leftovers.last, kept_violations);
 }
 template <class Archive>
 void visit_members(Archive& archive, Linkage::AngleRule& of) {
