@@ -273,6 +273,7 @@ TEST(ChangedSettings, AreRefusedBeforeAnythingChanges) {
     EXPECT_EQ(world.settings().method, Method::direct);
   };
   refuses("omega must be", {.omega = 3});
+  refuses("takes more than most_memory, 10 bytes", {.most_memory = 10});
   refuses("substeps must be", {.substeps = 0});
   refuses("does not read weights", {.method = Method::direct, .weights = Weights::equal});
   refuses("mass consistent needs", {.method = Method::relax, .mass = MassModel::consistent});

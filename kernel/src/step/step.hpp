@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -53,7 +54,9 @@ class Step : public InMemory {
   const Settings& settings() const { return settings_; }  ///< of now
   /// Returns this world under other settings, which are valid, as it is now (change/changed.cpp). Throws
   /// InputError if they cannot move it, or if some of its state has no place there.
-  std::unique_ptr<Step> changed(const Settings& settings) const;
+  /// make(scene) makes one under these as it began.
+  using Make = std::function<std::unique_ptr<Step>(std::shared_ptr<const Scene>)>;
+  std::unique_ptr<Step> changed(const Settings& settings, const Make& make) const;
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
   std::uint32_t substeps() const { return settings_.substeps; }  ///< those that are asked for

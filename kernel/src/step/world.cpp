@@ -42,9 +42,7 @@ World::World(std::shared_ptr<const Scene> shared, const Settings& settings)
   validate(scene);
   Impl::require_sound(settings);
   detail::require_addressable(scene.particles.size(), scene.rods.size());
-  if (settings.most_memory) impl_->memory.bound(*settings.most_memory, estimate_memory(scene, settings));
-  impl_->step.make(std::move(shared), settings);
-  impl_->memory.end_bound();
+  impl_->step = detail::make_step(impl_->memory, std::move(shared), settings);
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->take(settings);

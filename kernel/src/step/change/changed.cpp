@@ -39,7 +39,7 @@ bool is_reference(Method method) {
 
 }  // namespace
 
-std::unique_ptr<Step> Step::changed(const Settings& settings) const {
+std::unique_ptr<Step> Step::changed(const Settings& settings, const Make& make) const {
   require_takeable(has_archive(), settings_, "that of now");
   require_takeable(!is_reference(settings.method), settings, "the new one");
   const bool are_same = are_alike(origin_.settings, settings);
@@ -50,7 +50,7 @@ std::unique_ptr<Step> Step::changed(const Settings& settings) const {
         refuse("settings: ", what,
                " 0 has a past that islands keep for themselves: no more than substeps, most_work, stop, "
                "weights, omega, contact, sleep, sleep_time, isa, threads and executor can change");
-  auto out = std::make_unique<Step>(origin_.scene, settings);
+  std::unique_ptr<Step> out = make(origin_.scene);
   require_takeable(out->has_archive(), settings, "the new one");
   if (are_same) {
     Population population = population_;

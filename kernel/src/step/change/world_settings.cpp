@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "step/world_impl.hpp"
 
@@ -25,7 +27,9 @@ void World::set_settings(const Settings& settings) {
       refuse("settings: particle ", i, ": is too far for ", to_string(to.precision), ", at most ", most,
              " m from the origin");
   }
-  impl_->step = impl_->step->changed(to);
+  impl_->step = impl_->step->changed(to, [this, &to](std::shared_ptr<const Scene> scene) {
+    return detail::make_step(impl_->memory, std::move(scene), to);
+  });
   impl_->take(to);
 }
 

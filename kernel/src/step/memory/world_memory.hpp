@@ -22,8 +22,9 @@ class WorldMemory final : public Memory {
   void* allocate(std::size_t bytes, std::size_t alignment) override {
     const std::size_t held = held_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
     try {
-      if (most_ && held > *most_)
-        refuse("the world takes more than most_memory, ", *most_, " bytes: about ", needed_, " are needed");
+      if (bound_ && held > bound_->held + bound_->most)
+        refuse("the world takes more than most_memory, ", bound_->most, " bytes: about ", bound_->needed,
+               " are needed");
       return from_ ? from_->allocate(bytes, alignment) : ::operator new (bytes, std::align_val_t{alignment});
     } catch (...) {
       held_.fetch_sub(bytes, std::memory_order_relaxed);
@@ -37,19 +38,38 @@ class WorldMemory final : public Memory {
   }
 
   std::size_t held() const { return held_.load(std::memory_order_relaxed); }  ///< bytes
-  /// Refuses to hold more bytes than `most` from now on, and says that about `needed` would be needed.
-  void bound(std::size_t most, std::size_t needed) {
-    most_ = most;
-    needed_ = needed;
-  }
-  void end_bound() { most_ = {}; }
+  /// Refuses more bytes than `most` beside those that it holds, as long as this lives, and says that about
+  /// `needed` would be needed.
+  class Bound {
+   public:
+    Bound(WorldMemory& of, std::size_t most, std::size_t needed) : of_(of) {
+      of.bound_ = {of.held(), most, needed};
+    }
+    ~Bound() { of_.bound_ = {}; }
+    Bound(const Bound&) = delete;
+    Bound& operator=(const Bound&) = delete;
+
+   private:
+    WorldMemory& of_;
+  };
 
  private:
   MemoryResource* const from_;
   std::atomic<std::size_t> held_{0};
-  std::optional<std::size_t> most_{};
-  std::size_t needed_ = 0;
+  struct Bytes {
+    std::size_t held, most, needed;
+  };
+  std::optional<Bytes> bound_{};
 };
+
+/// Makes a step in a world's memory, of which it takes no more than Settings::most_memory.
+inline std::unique_ptr<Step> make_step(WorldMemory& memory, std::shared_ptr<const Scene> scene,
+                                       const Settings& settings) {
+  const MemoryScope scope(&memory);
+  std::optional<WorldMemory::Bound> bound;
+  if (settings.most_memory) bound.emplace(memory, *settings.most_memory, estimate_memory(*scene, settings));
+  return std::make_unique<Step>(std::move(scene), settings);
+}
 
 /// Owns a step of a world. What is called through it, and the step itself, have their memory from the
 /// world's.
@@ -69,10 +89,6 @@ class StepInMemory {
 
   Call operator->() const { return {step_.get(), memory_}; }
   const Step& operator*() const { return *step_; }  ///< for what reads alone and allocates nothing
-  void make(std::shared_ptr<const Scene> scene, const Settings& settings) {
-    const MemoryScope scope(&memory_);
-    step_ = std::make_unique<Step>(std::move(scene), settings);
-  }
   void operator=(std::unique_ptr<Step> step) { step_ = std::move(step); }
 
  private:
