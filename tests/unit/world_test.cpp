@@ -156,6 +156,20 @@ TEST(World, OutlivesItsScene) {
 }
 
 // A scene in which nothing may touch has no stage for it.
+// What falls for the longest step is still where coordinates in float can be.
+TEST(World, RefusesStepsThatAreTooLong) {
+  Scene scene;
+  scene.particles = {test::movable({1, 2, 3})};
+  for (const Precision precision : {Precision::single, Precision::double_}) {
+    World world(scene, {.method = Method::relax, .precision = precision});
+    for (const double dt : {1.1e7, 1e300})
+      EXPECT_NE(test::refusal([&] { world.step(dt); }).find("too long"), std::string::npos);
+    EXPECT_EQ(world.time(), 0);
+    EXPECT_EQ(world.step(1e7).frozen_islands, 0u);
+    EXPECT_NEAR(world.position(0).y / (-0.5 * 9.81 * 1e14), 1, 1e-6);
+  }
+}
+
 TEST(Zones, HearOfTheStagesThatAStepHas) {
   Scene scene = scenes::make_chain(3);
   for (const bool has_contact : {false, true}) {

@@ -38,7 +38,7 @@ class PLUMB_API World {
   World& operator=(World&&) noexcept;  ///< Moves the world; views of both become invalid.
 
   /// Advances by `dt` seconds, in Settings::substeps equal substeps; with an accuracy, in as many as it
-  /// takes. Throws InputError if `dt` is not positive and finite, or too short for the precision, and what
+  /// takes. Throws InputError if `dt` is not positive, beyond 10⁷ s, or too short for the precision, and what
   /// a load throws (set_load()); nothing has moved then. Throws what the executor throws; the step is then
   /// done all the same.
   ///

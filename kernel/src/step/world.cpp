@@ -20,6 +20,9 @@ using detail::refuse;
 
 namespace {
 
+/// Longest step (s), four months. In that time gravity throws things half as far as coordinates in float go.
+constexpr double longest_step = 1e7;
+
 /// Returns the shortest substep (s). Its square still fits the precision, with room for masses and forces.
 double shortest_substep(Precision precision) {
   return precision == Precision::single ? 1e-15 : 1e-100;
@@ -69,6 +72,7 @@ World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
+  if (dt > longest_step) refuse("dt ", dt, " s is too long: a step takes at most ", longest_step, " s");
   const std::uint32_t substeps = impl_->step->substeps();
   if (dt / substeps < shortest_substep(impl_->precision))
     refuse("dt ", dt, " s in ", substeps, " substeps is too short for ", to_string(impl_->precision),
