@@ -344,6 +344,10 @@ TEST(Snapshot, LeavesTheLoadToTheWorld) {
   late.set_load(pulls);
   test::run(without, dt, 3);
   const test::Snapshot free = test::snapshot_of(without);
+  without.set_load(pulls);
+  EXPECT_EQ(test::snapshot_of(without), free);
+  without.set_load({});
+  EXPECT_EQ(test::snapshot_of(without), free);
   with.restore(free);
   test::run(with, dt, 2);
   EXPECT_TRUE(test::all_finite(with));

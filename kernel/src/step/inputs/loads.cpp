@@ -68,6 +68,7 @@ void Loads::ask_at(double middle, double dt) {
   for (std::size_t i = 0; i < asked_.size(); ++i)
     if (!is_finite(asked_[i])) refuse("particle ", i, ": the load's force is not finite: ", asked_[i]);
   last_dt_ = dt;
+  was_asked_ = true;
 }
 
 }  // namespace plumb::detail

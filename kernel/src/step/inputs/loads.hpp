@@ -59,14 +59,20 @@ class Loads {
   template <class Archive>
   void archive(Archive& archive) {
     auto& [load, fixed, any_constant, constant, loaded, asked, positions, velocities, last_velocities,
-           last_dt] = *this;
+           last_dt, was_asked] = *this;
     const bool had_some = any_constant;
     archive(any_constant);
     if (any_constant)
       archive(constant);
     else if (had_some)
       std::fill(constant.begin(), constant.end(), Vec3{});
-    archive(loaded, asked, last_velocities, last_dt);
+    archive(was_asked);
+    if (was_asked) {
+      archive(loaded, asked, last_velocities, last_dt);
+    } else if (archive.restores()) {
+      for (Array<Vec3>* const of : {&loaded, &asked}) std::fill(of->begin(), of->end(), Vec3{});
+      last_dt = 0;
+    }
     // What the load of another world said ends with the next step.
     if (archive.restores() && !load) std::fill(asked.begin(), asked.end(), Vec3{});
     if (archive.restores()) make_room(load ? constant.size() : loaded.size());
@@ -97,6 +103,7 @@ class Loads {
   Array<Vec3> positions_, velocities_;     ///< as the load sees them
   Array<Vec3> last_velocities_;            ///< m/s, at the start of the last step
   double last_dt_ = 0;                     ///< s, or 0 if there was no last step
+  bool was_asked_ = false;                 ///< A load has said forces, which snapshots list from then on.
 };
 
 }  // namespace plumb::detail
