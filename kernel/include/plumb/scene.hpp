@@ -270,9 +270,10 @@ struct Scene {
   std::vector<Rod> rods;            ///< Rods between them.
   Vec3 gravity{0, -9.81, 0};        ///< Acceleration, in m/s².
   double drag = 0;                  ///< Rate in 1/s; velocities decay as exp(-drag · t).
-  /// An island loses all motion but that of a rigid whole at this rate, in 1/s. It acts as friction in all
-  /// joints alike, and keeps momentum and angular momentum. Without it, nothing brakes joints, and a figure
-  /// that goes on swinging does not sleep.
+  /// An island that is free loses all motion but that of a rigid whole at this rate, in 1/s. It acts as
+  /// friction in all joints alike, and keeps momentum and angular momentum. One with fixed particles loses
+  /// all motion against the world, as a pendulum's. Without it, nothing brakes joints, and a figure that goes
+  /// on swinging does not sleep.
   double joint_drag = 0;
 
   std::vector<Bend> bends{};            ///< Bending stiffness between rods.
