@@ -205,6 +205,8 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   }
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
+  contact.width =
+      is_hull(one) ? near_.hull_of(one.island, one.shape)->shape->half_width : shape_of(in, one).radius;
   contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
   rare.approach = relaxed_approach_of(touch.gap, closing, arriving, h);
   rare.bounce = bounce_of(restitution, settings_.bounce_speed, rare.approach);

@@ -12,6 +12,7 @@
 #include "contact/relaxed/lines/crowd_lines.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "contact/relaxed/places/middle.hpp"
+#include "contact/relaxed/places/placed_line.hpp"
 #include "contact/relaxed/visits/contact_vectors.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
@@ -84,6 +85,9 @@ class CrowdContacts {
   bool list_swept(Array<SweptNumbers<T>>& to);
   /// Ends sweeps, after which pushes are known.
   void end_sweeps() { vectors_.write_back(); }
+  /// Pushes what sweeps have left deep in ground out of it, whatever else gives way, after end_sweeps().
+  /// Returns whether the middle of something stays in there.
+  bool leave_ground(Crowd<T>& crowd);
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   /// Lets velocities bounce, once they are known. Returns whether anything does.
@@ -150,6 +154,7 @@ class CrowdContacts {
     TermRange terms{};  ///< of the middles of shapes
     Vec3 normal{};
     double gap = 0;       ///< m, what may be lost
+    double width = 0;     ///< m, half of the first shape's
     double friction = 0;  ///< Coulomb's coefficient
     double over = 0;      ///< kg, what changes its places by a metre
     double push = 0;      ///< kg m
@@ -247,20 +252,6 @@ class CrowdContacts {
   struct Place {
     std::uint32_t batch, number;
   };
-  /// This is how the line of a body moves, from the crowd's origin, in the order of simd::line_fields.
-  struct alignas(64) PlacedLine {
-    Vec3 p{};
-    double radius = 0;
-    Vec3 q{};
-    double moves = 0;  ///< m, how far its ends do at most
-    Vec3 p_by{};
-    double unused = 0;
-    Vec3 q_by{};
-    double unused_too = 0;
-    MovingSegment way() const { return {{p, q, radius}, p_by, q_by}; }
-  };
-  static_assert(sizeof(PlacedLine) == simd::line_fields::count * sizeof(double));
-
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
     return in.cluster[side.island]->linkage->shape_of(side.shape);
   }
@@ -317,6 +308,7 @@ class CrowdContacts {
   void touch_pair(const Substep& in, const Pair& pair, const Touch& touch, std::uint64_t key);
   void touch_pairs(const Substep& in, std::span<const Pair> pairs);
   void find_missed_pairs(const Substep& in, Team* team);
+  void find_missed_on_planes(const Substep& in);
   /// Calls f(batch, contact) for all contacts, in their order.
   template <class F>
   void for_contacts(F&& f) {
@@ -355,6 +347,7 @@ class CrowdContacts {
   static double size_of(const Change& change, const Batch& batch, const Contact& contact);
   void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
   void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
+  double depth(const Crowd<T>& crowd, const Batch& batch, const Contact& contact) const;
   void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
                       const Contact& contact, double h) const;
   void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
@@ -369,6 +362,7 @@ class CrowdContacts {
   RigidContacts<T> rigid_;
   Array<Place> alone_;  ///< what is not in vectors: in the order of contacts, but rigid bodies backwards
   Array<Place> rigid_places_;  ///< of those of rigid bodies, in order
+  bool is_revisited_ = false;  ///< some push is not what vectors have
   PlacedHulls placed_hulls_;
   Array<PlacedLine> placed_lines_;    ///< by body
   Array<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is

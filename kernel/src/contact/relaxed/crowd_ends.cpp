@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "contact/ground/ground_search.hpp"
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
@@ -159,16 +159,23 @@ void CrowdEnds<T>::load_forces(std::span<LinkageState* const> cluster, std::size
   }
 }
 
+template <class T>
+void CrowdEnds<T>::add_thrown(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                              const CrowdPairs<T>& near, const Surroundings& surroundings,
+                              const GroundNow& ground, double share) {
+  const std::size_t first = groups_.size();
+  add(cluster, crowd, near, surroundings, ground, near.more_plain_ends());
+  // Nothing is as near as that, and nothing held them.
+  const simd::EndRules<T> rules = rules_of(std::numeric_limits<T>::lowest(), share, 0);
+  for (const Group& group : std::span(groups_).subspan(first))
+    kernels_->find(view(crowd), group.range, group.ground, rules, touched_.data());
+}
+
 // --- A substep
 
 template <class T>
 void CrowdEnds<T>::find(Crowd<T>& crowd, const Surroundings& surroundings, double h, double share) {
-  const simd::EndRules<T> rules{static_cast<T>(settings_.margin),
-                                T(0.25),
-                                static_cast<T>(GroundSearch::passes),
-                                static_cast<T>(settings_.slop),
-                                static_cast<T>(share),
-                                static_cast<T>(h * h)};
+  const simd::EndRules<T> rules = rules_of(settings_.margin, share, h * h);
   for (const Group& group : groups_)
     kernels_->find(view(crowd), group.range, group.ground, rules, touched_.data());
   list_touching();
@@ -244,12 +251,27 @@ double CrowdEnds<T>::measured_sweep(Crowd<T>& crowd) {
 template <class T>
 double CrowdEnds<T>::depth(const Crowd<T>& crowd) const {
   double most = 0;
-  for_touching([&](std::size_t lane) {
-    const double left =
-        field(lane, fields::gap) + dot(vector(lane, fields::normal), crowd.moved(place(lane)));
-    most = std::max(most, -left);
-  });
+  for_touching([&](std::size_t lane) { most = std::max(most, depth(crowd, lane)); });
   return most;
+}
+
+template <class T>
+bool CrowdEnds<T>::sweep_deep(Crowd<T>& crowd, double share, double least) {
+  deep_.clear();
+  for_touching([&](std::size_t lane) {
+    const auto vector = static_cast<std::uint32_t>(lane / lanes);
+    if ((deep_.empty() || deep_.back() != vector) && is_deep(crowd, lane, share, least))
+      deep_.push_back(vector);
+  });
+  kernels_->sweep(view(crowd), deep_.data(), static_cast<std::uint32_t>(deep_.size()));
+  return !deep_.empty();
+}
+
+template <class T>
+bool CrowdEnds<T>::any_deep(const Crowd<T>& crowd, double share, double least) const {
+  bool any = false;
+  for_touching([&](std::size_t lane) { any = any || is_deep(crowd, lane, share, least); });
+  return any;
 }
 
 template <class T>

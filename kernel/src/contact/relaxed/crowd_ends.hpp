@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
+#include "contact/ground/ground_search.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/kept_table.hpp"
@@ -35,6 +37,10 @@ class CrowdEnds {
   void add(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const CrowdPairs<T>& near,
            const Surroundings& surroundings, const GroundNow& ground, std::span<const Pair> pairs);
 
+  /// Takes in ends that sweeps have thrown to where they may touch ground. Only find_missed() lets them.
+  void add_thrown(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const CrowdPairs<T>& near,
+                  const Surroundings& surroundings, const GroundNow& ground, double share);
+
   /// Finds which ends touch within a substep of h (s), of which `share` of an overlap is taken back. They
   /// start from their last pushes, which do not move them yet.
   void find(Crowd<T>& crowd, const Surroundings& surroundings, double h, double share);
@@ -45,6 +51,11 @@ class CrowdEnds {
   void sweep(Crowd<T>& crowd);
   /// Does so. Returns the largest change of a place, m.
   double measured_sweep(Crowd<T>& crowd);
+  /// Sweeps once over vectors with an end deeper than a share of its radius, and than `least` (m). Returns
+  /// whether there are any.
+  bool sweep_deep(Crowd<T>& crowd, double share, double least);
+  /// Returns whether an end is deeper than a share of its radius, and than `least` (m).
+  bool any_deep(const Crowd<T>& crowd, double share, double least) const;
   /// Returns how deep (m) some end goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   bool any_bounces() const;
@@ -100,6 +111,14 @@ class CrowdEnds {
   std::uint32_t place(std::size_t lane) const {
     return in_rows_ ? at_[lane / lanes] + static_cast<std::uint32_t>(lane % lanes) : at_[lane];
   }
+  /// Returns how deep (m) an end is in what it should stay out of.
+  double depth(const Crowd<T>& crowd, std::size_t lane) const {
+    return -field(lane, simd::end_fields::gap) -
+           dot(vector(lane, simd::end_fields::normal), crowd.moved(place(lane)));
+  }
+  bool is_deep(const Crowd<T>& crowd, std::size_t lane, double share, double least) const {
+    return depth(crowd, lane) > std::max<double>(least, share * field(lane, simd::end_fields::radius));
+  }
   bool touches(std::size_t lane) const { return field(lane, simd::end_fields::over) != 0; }
   bool is_pushed(std::size_t lane) const { return vector(lane, simd::end_fields::push) != Vec3{}; }
   /// Calls f(lane) for all ends that touch, in their order.
@@ -117,6 +136,14 @@ class CrowdEnds {
   void add_lane(const Crowd<T>& crowd, const CrowdPairs<T>& near, const Pair& pair, std::uint64_t key,
                 const Surface& surface);
   void load_forces(std::span<LinkageState* const> cluster, std::size_t first);
+  simd::EndRules<T> rules_of(double margin, double share, double square) const {
+    return {static_cast<T>(margin),
+            T(0.25),
+            static_cast<T>(GroundSearch::passes),
+            static_cast<T>(settings_.slop),
+            static_cast<T>(share),
+            static_cast<T>(square)};
+  }
   void uncover(const Crowd<T>& crowd, const Surroundings& surroundings);
   void list_touching();
   void see_bounces(const Crowd<T>& crowd, double h);
@@ -133,6 +160,7 @@ class CrowdEnds {
   layouts::AlignedBuffer<T> fields_;
   Array<std::uint8_t> touched_;    ///< by vector
   Array<std::uint32_t> touching_;  ///< vectors with an end that touches, ascending
+  Array<std::uint32_t> deep_;      ///< those of them with an end that is deep
   Array<double> restitution_;      ///< by lane
   bool sees_bounces_ = false;      ///< some may bounce, or how fast they approach counts
   KeptTable kept_;

@@ -268,12 +268,13 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
   }
   const Substep in{cluster, crowd, surroundings, ground, h, last, is_counted(cluster)};
   find_missed_pairs(in, team);
+  find_missed_on_planes(in);
   if (!surroundings.tree.is_empty()) {
     find_missed_bodies(in);
     find_missed_hulls(in);
   }
-  if (last.contacts.size() != before) lay_out(crowd);
   const bool are_ends_missed = ends_.find_missed(crowd, h);
+  if (last.contacts.size() != before || (are_ends_missed && is_revisited_)) lay_out(crowd);
   return last.contacts.size() != before || are_ends_missed;
 }
 

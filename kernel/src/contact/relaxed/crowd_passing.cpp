@@ -1,4 +1,5 @@
-// This file finds where capsules of a crowd touch each other, and where they would pass through each other.
+// This file finds where capsules of a crowd touch each other, and where they would pass through each other or
+// through planes.
 
 #include <algorithm>
 #include <bit>
@@ -140,6 +141,7 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
   if (!near_.may_meet() && !has_hulls()) return;
   place_ways(in.crowd);
   near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
+  ends_.add_thrown(in.cluster, in.crowd, near_, in.surroundings, in.ground, in.h * recovery_rate_);
   for (const Pair& pair : near_.pairs()) {
     if (!is_fast(pair)) continue;
     const auto plane = pair_search().passed(placed_lines_[pair.one].way(), placed_lines_[pair.other].way());
@@ -152,6 +154,27 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
   }
 }
 
+/// Adds contacts of ends with planes that they go into, since others pushed them. CrowdEnds watches plain
+/// ones.
+template <class T>
+void CrowdContacts<T>::find_missed_on_planes(const Substep& in) {
+  for (const Pair& pair : near_.on_planes()) {
+    const Ball& each = near_.balls()[pair.one];
+    const Plane& plane = in.ground.planes()[pair.other];
+    const GroundRate* const rate = in.ground.rate_of_plane(pair.other);
+    const Vec3 at = in.crowd.origin() + in.crowd.position(near_.terms_of(each.center));
+    Vec3 by = in.crowd.moved(near_.terms_of(each.center));
+    if (rate != nullptr) by -= rate->moved(at - each.ball->radius * plane.normal, plane.normal, in.h);
+    const double gap = dot(plane.normal, at) - plane.offset - each.ball->radius;
+    if (dot(plane.normal, by) + std::max(gap, 0.0) >= -settings_.slop) continue;
+    const std::uint64_t key = contact_key(KeyKind::plane, each.number, 0, pair.other);
+    const auto is_it = [&](const Contact& contact) {
+      return contact.key == key && contact.island[0] == each.island;
+    };
+    if (!any_of(is_it)) touch_planes(in, {&pair, 1});
+  }
+}
+
 template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
 template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
 template void CrowdContacts<float>::see_fast(const Crowd<float>&, const Surroundings&, Team*);
@@ -159,6 +182,8 @@ template void CrowdContacts<double>::see_fast(const Crowd<double>&, const Surrou
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::find_missed_pairs(const Substep&, Team*);
+template void CrowdContacts<float>::find_missed_on_planes(const Substep&);
 template void CrowdContacts<double>::find_missed_pairs(const Substep&, Team*);
+template void CrowdContacts<double>::find_missed_on_planes(const Substep&);
 
 }  // namespace plumb::detail

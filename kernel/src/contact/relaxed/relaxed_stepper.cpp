@@ -183,6 +183,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     }
     solve(gradient, report);
   }
+  is_missed = is_missed || is_in_ground_;
   const bool is_torn =
       is_struck() && (is_missed || (!is_pressed_ && crowd_.violation(rod_kernels()) > most_violated()));
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;

@@ -14,9 +14,10 @@ namespace plumb::detail {
 /// Moves islands that touch, or may within a step, through that step by weighted relaxation (thesis eq. 4.7).
 ///
 /// In every sweep rods come first, colour after colour, then joints, then bodies that are inside out, then
-/// contacts, so that what a sweep leaves is in rods and not in the ground. While something may touch, a
-/// substep is of gradient new: its velocities are those that it took, so that what lands comes to rest. So it
-/// is where something is elastic.
+/// contacts, so that what a sweep leaves is in rods and not in the ground. After all sweeps ground has the
+/// last word over what islands press into it, or heavy things would push light ones through. While something
+/// may touch, a substep is of gradient new: its velocities are those that it took, so that what lands comes
+/// to rest. So it is where something is elastic.
 ///
 /// What is fast is swept against ground and others, and kept off the planes in which it touches first. Blows
 /// are swept on until rods fit, or else in halves of the substep, so that nothing is torn open.
@@ -113,6 +114,7 @@ class RelaxedStepper final : public ClusterMover {
   Team* team_ = nullptr;                  ///< that may help
   bool is_hit_ = false;                   ///< hulls move fast near what they may touch
   bool is_pressed_ = false;               ///< rods are off their lengths since ground is in their way
+  bool is_in_ground_ = false;             ///< sweeps have left the middle of something there
   bool counts_ = false;                   ///< some island's pulls count
   bool leaves_ = false;                   ///< what sweeps leave is kept in shorter substeps
 };

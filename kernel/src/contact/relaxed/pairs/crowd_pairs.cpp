@@ -242,7 +242,7 @@ void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T
                            const Surroundings& surroundings, const GroundNow& ground,
                            std::span<const Bounds> ways) {
   more_plain_ends_.clear();
-  // What passes ground in the substep is found without pairs.
+  // What passes ground in the substep is found without pairs, and what is not hit is not thrown at planes.
   if (!has_pairs_) return;
   outrun_.clear();
   for (std::uint32_t i = 0; i < ways.size(); ++i) {

@@ -32,6 +32,7 @@ void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
   heap_ends_.clear();
   rigid_.clear();
   rigid_places_.clear();
+  is_revisited_ = false;
   vectors_.begin(crowd);
   for (std::uint32_t b = 0; b < batches_.size(); ++b)
     for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k) {
@@ -221,14 +222,46 @@ void CrowdContacts<T>::resist(Crowd<T>& crowd, Batch& batch, const Contact& cont
   turning.push = push;
 }
 
+/// Returns how deep (m) a contact goes into what it should stay out of.
+template <class T>
+double CrowdContacts<T>::depth(const Crowd<T>& crowd, const Batch& batch, const Contact& contact) const {
+  const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - batch.rare_of(contact).carried;
+  return -contact.gap - dot(contact.normal, moved);
+}
+
 template <class T>
 double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
   double most = std::max(ends_.depth(crowd), lines_.depth(crowd));
   for_contacts([&](const Batch& batch, const Contact& contact) {
-    const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - batch.rare_of(contact).carried;
-    most = std::max(most, -contact.gap - dot(contact.normal, moved));
+    most = std::max(most, depth(crowd, batch, contact));
   });
   return most;
+}
+
+template <class T>
+bool CrowdContacts<T>::leave_ground(Crowd<T>& crowd) {
+  // A substep takes a tenth of an overlap back, so that what is pressed on and on stays half out of ground.
+  constexpr double harmless = 0.05;
+  constexpr int rounds = 4;
+  if (!hold_islands()) return false;
+  const auto is_deep = [&](const Batch& batch, const Contact& contact, double share, double least) {
+    return contact.island[1] == none && depth(crowd, batch, contact) > std::max(least, share * contact.width);
+  };
+  bool any = true;
+  for (int i = 0; i < rounds && any; ++i) {
+    any = ends_.sweep_deep(crowd, harmless, settings_.tolerance);
+    for_contacts([&](Batch& batch, Contact& contact) {
+      if (!is_deep(batch, contact, harmless, settings_.tolerance)) return;
+      visit(crowd, batch, contact);
+      any = is_revisited_ = true;
+    });
+  }
+  if (!any) return false;
+  bool is_below = ends_.any_deep(crowd, 1, settings_.margin);
+  for_contacts([&](const Batch& batch, const Contact& contact) {
+    is_below = is_below || is_deep(batch, contact, 1, settings_.margin);
+  });
+  return is_below;
 }
 
 template <class T>
@@ -272,6 +305,7 @@ template bool CrowdContacts<float>::list_swept(Array<SweptNumbers<float>>&);
 template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
 template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<float>::depth(const Crowd<float>&) const;
+template bool CrowdContacts<float>::leave_ground(Crowd<float>&);
 template bool CrowdContacts<float>::bounce(Crowd<float>&);
 template void CrowdContacts<double>::lay_out(const Crowd<double>&);
 template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
@@ -279,6 +313,7 @@ template bool CrowdContacts<double>::list_swept(Array<SweptNumbers<double>>&);
 template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
 template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<double>::depth(const Crowd<double>&) const;
+template bool CrowdContacts<double>::leave_ground(Crowd<double>&);
 template bool CrowdContacts<double>::bounce(Crowd<double>&);
 
 }  // namespace plumb::detail

@@ -72,6 +72,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   contacts_.end_sweeps();
   if (is_hit_ || is_struck()) done += sweep_on(gradient);
   bodies_.right(crowd_);
+  is_in_ground_ = contacts_.leave_ground(crowd_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();
   report.stopped_by = std::max(report.stopped_by, reason);
