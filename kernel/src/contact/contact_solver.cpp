@@ -14,12 +14,8 @@ namespace {
 /// From these accuracies on the higher order takes less time for a figure in the air.
 constexpr double worth_order_4 = 1e-3, worth_order_6 = 1e-6;
 
-Gradient gradient_for(const Settings& settings) {
-  return settings.method == Method::relax ? gradient_of(settings) : settings.gradient.value_or(Gradient::old);
-}
-
 std::uint32_t time_order_of(const Settings& settings) {
-  const Gradient gradient = gradient_for(settings);
+  const Gradient gradient = IslandGradients(settings).homeless;
   if (gradient != Gradient::old) return gradient == Gradient::new_ ? 1 : 2;
   const bool chooses = settings.method == Method::automatic && settings.accuracy;
   if (!chooses || *settings.accuracy > worth_order_4) return settings.time_order;
@@ -33,7 +29,7 @@ std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, cons
     return std::make_unique<ClusterStepper>(
         isa, contact, std::make_unique<RelaxedStepper<double>>(isa, contact, rules), picks);
   }
-  const CrowdRules rules{gradient_for(settings), settings.weights, settings.omega, settings.stop};
+  const CrowdRules rules{IslandGradients(settings).homeless, settings.weights, settings.omega, settings.stop};
   if (settings.precision == Precision::single)
     return std::make_unique<RelaxedStepper<float>>(isa, contact, rules);
   return std::make_unique<RelaxedStepper<double>>(isa, contact, rules);
@@ -53,7 +49,7 @@ ContactSolver::ContactSolver(const std::shared_ptr<const Scene>& scene, const Sc
       time_order_(time_order_of(settings)),
       surroundings_(*scene),
       is_controlled_(settings.accuracy.has_value()),
-      gradient_(gradient_for(settings)) {
+      gradients_(settings) {
   for (unsigned part = 0; part < settings.threads; ++part)
     movers_.push_back(make_mover(settings, isa_, settings_));
   std::multimap<Array<double>, std::size_t> kinds;
@@ -72,7 +68,7 @@ ContactSolver::ContactSolver(const std::shared_ptr<const Scene>& scene, const Sc
     const std::uint32_t number = number_of[p] = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*linkages_[kind], number, part, relaxes_).particles = parts.particles(p);
     ++uses_[kind];
-    if (!plain) states_.back().gradient = gradient_;
+    states_.back().gradient = gradients_.of(*linkages_[kind], plain);
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);

@@ -273,7 +273,7 @@ class ContactSolver final : public Solver {
   void archive(Archive& archive) override {
     auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, sums,
            numbers, grabs, states, visitors, is_plain, is_controlled, histories, first_slot, island_of,
-           owners, names, rooms, gradient, ground_pushes, contacts, counts_pulls, counts_touches,
+           owners, names, rooms, gradients, ground_pushes, contacts, counts_pulls, counts_touches,
            lists_contacts, is_listed, clusters, pieces, work_of_pieces, team, returned, woken, rests, work,
            movers] = *this;
     archive(surroundings);
@@ -382,8 +382,8 @@ class ContactSolver final : public Solver {
   ByKind<Array<Owner>> owners_;     ///< by their numbers in the scene
   Array<Names> names_;              ///< by island's number: those of what it has
   Array<std::size_t> rooms_;        ///< by island's number: slots that fit behind its first one
-  Gradient gradient_;               ///< that of islands without a home
-  Array<Vec3> ground_pushes_;       ///< N, by ground; none before the first step
+  IslandGradients gradients_;
+  Array<Vec3> ground_pushes_;  ///< N, by ground; none before the first step
   ContactList contacts_;
   bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made

@@ -199,7 +199,7 @@ auto ContactSolver::add(const NamedPart& part) -> Array<Made> {
   const auto may_go_home = [](const SceneParts& parts, std::uint32_t p) { return is_plain(parts.part(p)); };
   replace({}, part, may_go_home, [&](const SceneParts& parts, std::uint32_t p, LinkageState& state) {
     for (const std::uint32_t own : parts.particles(p)) state.particles.push_back(part.names.particles[own]);
-    if (is_plain_[state.number] == 0) state.gradient = gradient_;
+    state.gradient = gradients_.of(*state.linkage, is_plain_[state.number] != 0);
     out.push_back({state.number, false});
   });
   return out;

@@ -42,7 +42,6 @@ auto ContactSolver::make_met(Meeting of) -> Array<Made> {
       if (k >= state.linkage->movable() || is_plain_[island] == 0)
         met.were.try_emplace(part.names.particles[k], island, k);
     if (is_plain_[island] != 0) {
-      met.plain_gradient = state.gradient;
       part.refix(of.edits);  // first, as in edit()
       for (const std::uint32_t rod : of.edits.cut) part.cut(rod, of.edits);
       plain.push_back(std::move(part));
@@ -90,7 +89,7 @@ void ContactSolver::begin_met(const Met& met, std::span<const std::uint32_t> nam
                               std::span<const std::uint32_t> order, LinkageState& state) const {
   const std::uint32_t movable = state.linkage->movable();
   state.asleep = false;
-  state.gradient = is_plain_[state.number] != 0 ? met.plain_gradient : gradient_;
+  state.gradient = gradients_.of(*state.linkage, is_plain_[state.number] != 0);
   for (std::uint32_t k = 0; k < order.size(); ++k) {
     const std::uint32_t particle = names[order[k]];
     state.particles.push_back(particle);

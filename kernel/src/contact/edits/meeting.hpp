@@ -24,7 +24,6 @@ struct Meeting {
 struct Met {
   std::map<std::uint32_t, Particle> now{};
   std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> were{};  ///< island, and number there
-  Gradient plain_gradient = Gradient::old;
 };
 
 }  // namespace plumb::detail

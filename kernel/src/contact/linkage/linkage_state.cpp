@@ -49,6 +49,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
 void LinkageState::return_to(const LinkageMotion& motion) {
   this->motion() = motion;
   factored = false;
+  turning.clear();
   for (std::size_t i = 0; i < broken.size(); ++i)
     laws[i] = broken[i] != 0 ? ElasticLaw{} : linkage->elastic_laws()[i];
 }
@@ -93,6 +94,14 @@ void LinkageState::free_waves() {
     each = 0;
   }
   std::fill(wave_inertia_at.begin(), wave_inertia_at.end(), 0.0);
+  if (!turning.empty()) factored = false;
+  turning.clear();
+}
+
+void LinkageState::follow_turning(std::span<const double> multipliers) {
+  turning.resize(stiffness.size());
+  linkage->find_tautness(multipliers, turning);
+  for (double& each : turning) each = 0.5 * std::max(0.0, each);
 }
 
 void LinkageState::follow_tautness(std::span<const double> multipliers, double h) {

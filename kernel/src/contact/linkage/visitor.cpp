@@ -64,6 +64,14 @@ bool moves(std::span<const Vec3> velocities) {
 
 }  // namespace
 
+IslandGradients::IslandGradients(const Settings& settings)
+    : homeless(settings.method == Method::relax ? gradient_of(settings)
+                                                : settings.gradient.value_or(Gradient::old)),
+      visiting(settings.gradient.value_or(Gradient::mid) == Gradient::mid && !settings.accuracy &&
+                       settings.method != Method::relax
+                   ? Gradient::mid
+                   : Gradient::old) {}
+
 double Visitor::look(LinkageState& state) const {
   double fastest = home_->read(slots_, std::span(state.x).first(slots_.size()));
   for (const Vec3 anchor : std::span(state.v).subspan(slots_.size()))
@@ -85,7 +93,8 @@ void Visitor::come(LinkageState& state, ProjectionWork* work) {
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
   if (work == nullptr) return;
   state.strain = project_positions(state, *work) <= most_left ? Strain::none : Strain::drawn;
-  project_velocities(state, *work);
+  // Those of gradient mid have parts along rods that its next substep gives back.
+  if (state.gradient != Gradient::mid || state.strain != Strain::none) project_velocities(state, *work);
 }
 
 void Visitor::leave(const LinkageState& state) {

@@ -9,6 +9,19 @@
 
 namespace plumb::detail {
 
+/// Says by which gradient contact moves islands where it solves them.
+struct IslandGradients {
+  explicit IslandGradients(const Settings& settings);
+  /// Nets are damped at home, and while they visit gradient old moves them.
+  Gradient of(const Linkage& kind, bool has_home) const {
+    if (!has_home) return homeless;
+    return kind.has_loops() ? Gradient::old : visiting;
+  }
+
+  Gradient homeless;  ///< that of islands without a home
+  Gradient visiting;  ///< that of others, while nothing pushes them
+};
+
 /// Ground holds a place of an island: no closer to it along a unit vector than so many m.
 struct Hold {
   Combination at;

@@ -37,7 +37,9 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                          motion(one, a.at, one->d), h);
   const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried.by);
   const double closing = dot(touch.normal, shift);
-  if (touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
+  // What flies does not leave gradient mid for what it will not reach.
+  const bool flies = !may_touch_ && (one->theta == 0.5 || (two && two->theta == 0.5));
+  if (touch.gap + closing > (flies ? 0 : settings_.margin + 0.25 * norm(shift))) {
     if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
     if (!all_near_)
       return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},

@@ -36,10 +36,11 @@ void add_turned_air(ClusterIsland& island) {
 }  // namespace
 
 /// Returns where an island takes its directions. In the middle it can do so in flight alone, since what
-/// touches needs velocities that end along constraints. Elastics have a rule of their own.
+/// touches needs velocities that end along constraints. Elastics have a rule of their own, and rods that do
+/// not fit swing about where they would.
 double ClusterStepper::theta_of_substep(const LinkageState& state) const {
   if (takes_end_ && !state.laws.empty()) return 1;
-  const bool is_flying = !may_touch_ && state.laws.empty();
+  const bool is_flying = !may_touch_ && state.laws.empty() && state.strain == Strain::none;
   return state.gradient == Gradient::mid && !is_flying ? 0 : theta_of(state.gradient);
 }
 
@@ -71,6 +72,31 @@ void ClusterStepper::turn(Island& island) {
   island.along.resize(state.x.size());
   for (std::size_t k = 0; k < state.x.size(); ++k) island.at[k] = state.x[k] + island.theta * island.d[k];
   island.bent.assign(state.linkage->movable(), Vec3{});
+  island.last_violation = INFINITY;
+}
+
+/// Takes note of what the matrix took of a correction for pulls that turn with it, which add_lag() looks at
+/// itself.
+void ClusterStepper::take_turning(Island& island, std::span<const Vec3> by) {
+  const LinkageState& state = *island.state;
+  if (state.turning.empty()) return;
+  island.lag.assign(state.linkage->movable(), Vec3{});
+  state.linkage->add_wave_momenta(state.turning, by, island.lag);
+  for (std::size_t k = 0; k < island.bent.size(); ++k) island.bent[k] -= island.lag[k];
+}
+
+/// Puts the directions of the factors where Island::d has come to, and lets the matrix know pulls of now.
+/// What is left to do stays the same.
+void ClusterStepper::turn_anew(Island& island) {
+  LinkageState& state = *island.state;
+  for (std::size_t k = 0; k < state.x.size(); ++k) {
+    const Vec3 to = state.x[k] + island.theta * island.d[k];
+    island.along[k] = island.at[k] - to;
+    island.at[k] = to;
+  }
+  state.linkage->add_pulls(island.along, island.pulls, island.bent);
+  state.follow_turning(island.pulls);
+  state.factor_with_elastics(island.at, [](std::size_t) { return -1.0; });
 }
 
 /// Adds to the right hand side what constraints push with along the directions of Island::d, beyond those of
@@ -110,6 +136,7 @@ bool ClusterStepper::end_turned(Island& island, double h, bool touched) {
   for (std::size_t k = 0; k < island.at.size(); ++k)
     island.at[k] = island.there[k] + island.theta * island.d[k];
   state.factored = false;
+  state.turning.clear();
   if (island.theta == 1 && touched && (!island.sides.empty() || !island.ground.is_empty())) return false;
   for (std::uint32_t k = 0; k < movable; ++k) {
     const Vec3 mean = (1 / h) * island.d[k];

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "contact/rows.hpp"
 #include "contact/solved/cluster_limits.hpp"
@@ -57,6 +58,8 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   if (violation <= wanted && !lacks) return true;
   if (!std::isfinite(violation)) return false;
   ++report.newton;
+  if (island.theta == 0.5 && std::exchange(island.last_violation, violation) < much_less * violation)
+    turn_anew(island);
   if (on_ground) {
     if (!correct_on_ground(island)) return false;
   } else {
@@ -64,10 +67,13 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
     take_lag(island, 1);
     pull_elastics(island, 1);
     island.take_pulls(island.pulls, 1, 1);
+    island.step.resize(linkage.movable());
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-      island.d[k] += linkage.taken(right, k);
+      island.step[k] = linkage.taken(right, k);
+      island.d[k] += island.step[k];
       island.there[k] = state.x[k] + island.d[k];
     }
+    take_turning(island, island.step);
   }
   if (!island.sides.empty() && !is_wide_) see(island, island.d);
   return true;

@@ -185,6 +185,7 @@ void ClusterStepper::start(Island& island, double h) {
   const std::uint32_t movable = linkage.movable();
   island.is_predicted = false;
   island.theta = theta_of_substep(state);
+  state.turning.clear();
   begin_given(island, h);
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());

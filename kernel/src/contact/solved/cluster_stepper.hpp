@@ -133,6 +133,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool leaves_middle();
   bool turns() const;
   static void turn(Island& island);
+  static void take_turning(Island& island, std::span<const Vec3> by);
+  static void turn_anew(Island& island);
   static double add_lag(Island& island);
   static void take_lag(Island& island, double share);
   static bool end_turned(Island& island, double h, bool touched);
