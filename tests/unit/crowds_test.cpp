@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <random>
@@ -21,6 +23,7 @@
 #include "contact/relaxed/pairs/ways.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
 #include "contact/relaxed/places/middle.hpp"
+#include "contact/relaxed/places/placed_line.hpp"
 #include "contact/rows.hpp"
 #include "contact/shapes/sweep.hpp"
 #include "plumb/joints.hpp"
@@ -431,6 +434,22 @@ TEST(KeptTable, FindsWhatAnIslandKeptByKey) {
       EXPECT_EQ(found->force, (Vec3{1.0 * key, 1.0 * i, 0}));
       EXPECT_EQ(next, key / (i + 1));
     }
+}
+
+// Vectors read lines where their fields say.
+TEST(PlacedLines, LieAsFieldsSay) {
+  const PlacedLine line{
+      .p = {1, 2, 3}, .radius = 4, .q = {5, 6, 7}, .moves = 8, .p_by = {9, 10, 11}, .q_by = {12, 13, 14}};
+  const std::array<double, simd::line_fields::count> numbers =
+      std::bit_cast<std::array<double, simd::line_fields::count>>(line);
+  EXPECT_EQ(numbers[simd::line_fields::p + 2], 3);
+  EXPECT_EQ(numbers[simd::line_fields::radius], 4);
+  EXPECT_EQ(numbers[simd::line_fields::q], 5);
+  EXPECT_EQ(numbers[simd::line_fields::moves], 8);
+  EXPECT_EQ(numbers[simd::line_fields::p_by + 1], 10);
+  EXPECT_EQ(numbers[simd::line_fields::q_by], 12);
+  EXPECT_EQ(line.way().at.q, (Vec3{5, 6, 7}));
+  EXPECT_EQ(line.way().at.radius, 4);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct ClusterIsland {
   Array<Vec3> along;           ///< m, where they are to be
   Array<Vec3> bent;            ///< kg m, by how much they pull otherwise there, as far as d has it
   Array<Vec3> lag;             ///< kg m, what d lacks of that
-  double last_violation = 0;   ///< before the last correction of this substep, or none
+  double last_violation = 0;   ///< that which the last correction of this substep found; none is infinite
   Array<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
   /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
   Array<double> pulls, end_pulls;

@@ -77,7 +77,7 @@ struct LinkageState : LinkageMotion {
   bool is_pushed_out = false;     ///< solved contacts took back overlaps in the last substep
   Array<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
   Array<double> wave_inertia;     ///< kg, of taut rods in the substep under way; see find_wave_inertia()
-  Array<double> turning;          ///< kg, of taut rods in the matrix of gradient mid; see follow_turning()
+  Array<double> turning;          ///< kg, of taut rods in the matrix of gradient mid, or none
 
   LinkageMotion& motion() { return *this; }
   /// Goes on as an island of another kind, which has other grabs alone. Their targets stand at the ends of
@@ -103,8 +103,8 @@ struct LinkageState : LinkageMotion {
   /// Begins a substep of h (s): slows waves that it cannot follow. Or lets all waves be as they are.
   void slow_waves(double h);
   void free_waves();
-  /// Begins a substep of gradient mid. Its matrix knows how pulls as large as those of the last one turn with
-  /// the rods, or corrections would lead nowhere where loads hang from light rods.
+  /// Lets the matrix of gradient mid know how pulls turn with their rods. Without that, corrections lead
+  /// nowhere where loads hang from light rods.
   void follow_turning(std::span<const double> multipliers);
   /// Ends it, with the multipliers of positions.
   void follow_tautness(std::span<const double> multipliers, double h);

@@ -16,6 +16,14 @@ struct Carried {
   Vec3 by{}, now{}, at_end{};  ///< m in a substep, and m/s at its start and its end
 };
 
+/// Returns how far apart (m) things may end that a row keeps apart, if one moves by `shift` (m) against the
+/// other, which may be fixed. What flies does not leave gradient mid for what it will not reach.
+double reach_of_rows(const ClusterIsland& one, const ClusterIsland* other, bool may_touch, double margin,
+                     Vec3 shift) {
+  const bool flies = !may_touch && (one.theta == 0.5 || (other && other->theta == 0.5));
+  return flies ? 0 : margin + 0.25 * norm(shift);
+}
+
 /// Returns how ground carries a place that moves by `by` (m) itself in a substep of h (s).
 Carried carried_by(const GroundRate& rate, Vec3 place, Vec3 normal, Vec3 by, double h) {
   return {rate.moved(place, normal, h), rate.at(place, normal), rate.later(h).at(place + by, normal)};
@@ -37,9 +45,7 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                          motion(one, a.at, one->d), h);
   const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried.by);
   const double closing = dot(touch.normal, shift);
-  // What flies does not leave gradient mid for what it will not reach.
-  const bool flies = !may_touch_ && (one->theta == 0.5 || (two && two->theta == 0.5));
-  if (touch.gap + closing > (flies ? 0 : settings_.margin + 0.25 * norm(shift))) {
+  if (touch.gap + closing > reach_of_rows(*one, two, may_touch_, settings_.margin, shift)) {
     if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
     if (!all_near_)
       return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},

@@ -82,10 +82,10 @@ inline constexpr double exact_if_mid = 1e-16;
 /// Cables are let go or taken up at most so often in a substep. Few substeps need more than two.
 inline constexpr int most_switches = 8;
 /// A substep makes at most so many corrections of its constraints.
-/// A correction that leaves less than so many times what the next one does was along gradients that are too
-/// far off, where a factorisation pays.
-inline constexpr double much_less = 10;
 inline constexpr int most_corrections = 16;
+/// A correction that leaves more than this share of what it found was along gradients too far off. A
+/// factorisation of mid's matrix pays then.
+inline constexpr double good_share = 0.1;
 /// It makes more, up to so many, where constraints are nearly solved and sweeps still come closer. In a tower
 /// of n boxes sweeps grow as n², and what they leave out lifts some of them.
 inline constexpr int most_patient_corrections = 80;

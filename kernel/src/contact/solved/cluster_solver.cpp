@@ -58,7 +58,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   if (violation <= wanted && !lacks) return true;
   if (!std::isfinite(violation)) return false;
   ++report.newton;
-  if (island.theta == 0.5 && std::exchange(island.last_violation, violation) < much_less * violation)
+  if (island.theta == 0.5 && violation > good_share * std::exchange(island.last_violation, violation))
     turn_anew(island);
   if (on_ground) {
     if (!correct_on_ground(island)) return false;

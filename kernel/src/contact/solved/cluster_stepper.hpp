@@ -130,11 +130,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void predict(Island& island);
   double theta_of_substep(const LinkageState& state) const;
   bool is_held() const;
-  bool leaves_middle();
-  bool turns() const;
-  static void turn(Island& island);
+  bool leaves_middle(), turns() const;
+  static void turn(Island&island), turn_anew(Island&island);
   static void take_turning(Island& island, std::span<const Vec3> by);
-  static void turn_anew(Island& island);
   static double add_lag(Island& island);
   static void take_lag(Island& island, double share);
   static bool end_turned(Island& island, double h, bool touched);
