@@ -43,6 +43,9 @@ inline constexpr double unfitting = 1e-6;
 /// Rods that stand straight on ground buckle to a share of their sizes between these, which is made wider by
 /// a factor until they have room. The response to a push is its square, and well above what counts as held.
 inline constexpr double least_nudge = 1e-2, most_nudge = 0.4, wider = 1.3;
+/// That does so many times the work of lifting the island by what is asked for, at most. Taut ropes with
+/// loads answer as little as rods that stand, and have nothing to buckle.
+inline constexpr double most_work_of_room = 4;
 /// What stands upright answers by no more than this share above what it would answer with as one. Rods then
 /// lean to this share of their sizes, which changes their lengths by less than what counts as solved.
 inline constexpr double balanced = 1e-9, faint = 1e-6;

@@ -227,7 +227,8 @@ void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surrou
 }
 
 /// Nudges an island's particles aside by this share of its largest rod, if it is to buckle, or as far as all
-/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that.
+/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that, and little work
+/// is done.
 bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings& surroundings) {
   Island& island = islands_[i];
   LinkageState& state = *island.state;
@@ -236,6 +237,7 @@ bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings
   projection_.holds.clear();
   Vec3 along{};
   double lean = 2 * share;  // the sine of the angle
+  double highest = 0;       // m
   for (const Row& row : rows_)
     for (std::uint32_t k = 0; row.kind == Kind::normal && row.closes > still_ && k < row.ends; ++k) {
       if (row.island[k] != i || (row.over != 0 && row.p <= 0)) continue;
@@ -244,6 +246,7 @@ bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings
       for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
         at.add(island.terms[t].particle, island.terms[t].weight);
       const double lift = (row.closes - std::min(0.0, row.gap)) / row.ends;
+      highest = std::max(highest, lift);
       projection_.holds.push_back({at, side.along_a, dot(side.along_a, at.of(state.x)) + lift});
       const double below = dot(side.along_a, state.x.back() - at.of(state.x));
       if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
@@ -255,7 +258,11 @@ bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings
   const double nearer = 1 - std::sqrt(1 - lean * lean);
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
     state.x[k] += (k % 2 == 0 ? aside : -1 * aside) - (nearer * dot(along, state.x[k] - last)) * along;
-  return bring_to_lengths(i, 0, surroundings);
+  if (!bring_to_lengths(i, 0, surroundings)) return false;
+  const double work =
+      state.linkage->potential(state.x, state.force) - state.linkage->potential(before_[i].x, state.force);
+  return std::abs(work) <=
+         most_work_of_room * highest * state.linkage->mass() * norm(state.linkage->gravity());
 }
 
 /// Leans trees of rods faintly that have just landed exactly upright, so that a push moves them as one. They
