@@ -189,6 +189,30 @@ bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double clos
   return out;
 }
 
+bool Surroundings::leads_out(std::uint32_t shape, const Near& near, double reach, double close) const {
+  constexpr int most_solids = 3;  // which meet in a corner of a room
+  constexpr double opposed = -0.5;
+  Vec3 way = -near.distance * near.normal, along = near.normal;
+  for (int left = 1; left <= most_solids; ++left) {
+    const Vec3 at = near.place + way + (2 * close) * along;
+    std::uint32_t next = GroundShape::none;
+    tree.find(box_around(at, at), [&](std::uint32_t i) {
+      if (i != shape && shapes[i].is_convex() && shapes[i].distance(at) < -close) next = std::min(next, i);
+    });
+    if (next == GroundShape::none) return norm(way) <= reach;
+    shape = GroundShape::none;
+    shapes[next].for_exits(at, [&](double distance, Vec3 normal) {
+      if (dot(normal, along) < opposed) return false;  // back to where it came from
+      way = way - distance * normal;
+      along = normal;
+      shape = next;
+      return true;
+    });
+    if (shape == GroundShape::none) return false;
+  }
+  return false;
+}
+
 double height(const Bounds& bounds, const Plane& plane) {
   const Vec3 center = 0.5 * (bounds.low + bounds.high), half = 0.5 * (bounds.high - bounds.low);
   const Vec3 n = plane.normal;

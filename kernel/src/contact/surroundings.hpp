@@ -59,6 +59,9 @@ struct Surroundings {
   /// Returns whether what seems to touch a convex shape touches another one instead, which lies against it.
   /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it.
   bool is_covered(std::uint32_t shape, const Near& near, double close) const;
+  /// Returns whether what leaves a convex shape where it is near, and then all that it comes into by that, is
+  /// out of ground within `reach` (m): in a corner between solids, and not in the middle of a floor of them.
+  bool leads_out(std::uint32_t shape, const Near& near, double reach, double close) const;
   /// Returns whether the surface of convex shapes goes on flatly from a place on one of them, to both sides
   /// along a vector. A place between such sides needs not be touched.
   bool is_flat(std::uint32_t shape, Vec3 at, Vec3 along, double close) const;

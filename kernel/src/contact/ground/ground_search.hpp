@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "contact/ground/placed_hulls.hpp"
 #include "contact/linkage/linkage.hpp"
@@ -52,6 +53,7 @@ inline Touch plane_of(double time, Vec3 normal, double at, Vec3 by) {
 
 /// Calls add(near) where ground is near a point of a shape with its middle elsewhere, as far as `reach` (m).
 /// What lies within one of many solids goes out through the nearest face that is none between two of them.
+/// Where that is far, as in a corner between walls, it leaves all of them through those between them.
 template <class Add>
 void for_point_touches(const Surroundings& around, std::uint32_t ground, const MovingEnd& end, double reach,
                        double close, Add&& add) {
@@ -64,12 +66,17 @@ void for_point_touches(const Surroundings& around, std::uint32_t ground, const M
     if (!shape.is_convex() || !around.is_covered(ground, near, close)) {
       add(near);
     } else if (each.gap <= close) {
+      std::optional<Surroundings::Near> exit;
       shape.for_exits(end.at, [&](double distance, Vec3 normal) {
-        const Surroundings::Near exit{end.at, distance, normal};
-        if (around.is_covered(ground, exit, close)) return false;
-        add(exit);
-        return true;
+        const Surroundings::Near face{end.at, distance, normal};
+        if (!around.is_covered(ground, face, close)) exit = face;
+        return exit.has_value();
       });
+      const bool is_far = !exit || exit->distance < -reach;
+      if (is_far && around.leads_out(ground, near, reach, close))
+        add(near);
+      else if (exit)
+        add(*exit);
     }
   }
 }
