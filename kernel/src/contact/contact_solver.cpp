@@ -233,7 +233,8 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
   const auto lives = [](const LinkageState& state) { return state.linkage != nullptr; };
-  const bool is_alone = surroundings_.are_empty() && std::ranges::count_if(states_, lives) == 1;
+  const bool is_alone =
+      surroundings_.are_empty() && std::count_if(states_.begin(), states_.end(), lives) == 1;
   return {.order = is_alone ? time_order_ : std::min(time_order_, 2u), .by_comparison = true};
 }
 
