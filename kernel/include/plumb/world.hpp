@@ -237,9 +237,9 @@ class PLUMB_API World {
   /// reels, and if what is freed in the next step would stay without mass.
   void remove(std::uint32_t particle);
   /// Lets equal islands lie side by side again from the next step on, as in a world that begins with them.
-  /// Edits of different steps leave islands with solvers of their own, which takes longer. The step that
-  /// packs takes as long as a start, and what is made anew wakes; nothing jumps. Islands with joints stay as
-  /// they are. Throws InputError under springs, multipliers and featherstone.
+  /// Edits of different steps leave islands with solvers of their own, which takes longer. Those are made
+  /// anew, which takes as long as a start of them, and wake; nothing jumps. What fills its lanes keeps its
+  /// bits, and so do islands with joints. Throws InputError under springs, multipliers and featherstone.
   void pack();
   /// Returns what names a Particle, Rod, Bend, Tackle, Body, Pin, Alignment, AngleControl, Spring, Torsion,
   /// Capsule or Hull for good; nothing if it was removed. Throws InputError on an unknown number.
