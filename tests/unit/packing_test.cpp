@@ -24,32 +24,28 @@ using test::for_methods;
 constexpr double frame = 1.0 / 60;
 constexpr std::uint32_t rods = 6;
 
-/// A rope that hangs level from its first particle, along z so that none meets another.
-Scene rope(double x, bool has_capsules = false) {
-  Scene scene;
+/// Appends a rope that hangs level from its first particle, along z so that none meets another.
+void append_rope(Scene& scene, double x, bool has_capsules) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
   for (std::uint32_t i = 0; i <= rods; ++i)
     scene.particles.push_back({.position = {x, 1, 0.1 * i}, .mass = 0.2, .fixed = i == 0});
-  for (std::uint32_t i = 0; i < rods; ++i) {
+  for (std::uint32_t i = first; i < first + rods; ++i) {
     scene.rods.push_back({.a = i, .b = i + 1, .length = 0.1});
     if (has_capsules) scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.02});
   }
+}
+
+Scene rope(double x, bool has_capsules = false) {
+  Scene scene;
+  append_rope(scene, x, has_capsules);
   return scene;
 }
 
 /// Returns `count` ropes that are apart as one scene.
 Scene ropes(std::uint32_t count) {
-  Scene whole = rope(0);
-  for (std::uint32_t i = 1; i < count; ++i) {
-    const Scene more = rope(0.5 * i);
-    const auto first = static_cast<std::uint32_t>(whole.particles.size());
-    whole.particles.insert(whole.particles.end(), more.particles.begin(), more.particles.end());
-    for (Rod rod : more.rods) {
-      rod.a += first;
-      rod.b += first;
-      whole.rods.push_back(rod);
-    }
-  }
-  return whole;
+  Scene scene;
+  for (std::uint32_t i = 0; i < count; ++i) append_rope(scene, 0.5 * i, false);
+  return scene;
 }
 
 Scene floor_alone() {

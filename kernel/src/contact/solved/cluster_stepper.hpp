@@ -129,14 +129,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void start(Island& island, double h);
   void predict(Island& island);
   double theta_of_substep(const LinkageState& state) const;
-  bool is_held() const;
-  bool leaves_middle(), turns() const;
-  static void turn(Island&island), turn_anew(Island&island);
+  bool is_held() const, turns() const, keeps_energy() const;
+  bool leaves_middle();
+  static void turn(Island& island);
+  static void turn_anew(Island& island);
   static void take_turning(Island& island, std::span<const Vec3> by);
   static double add_lag(Island& island);
   static void take_lag(Island& island, double share);
   static bool end_turned(Island& island, double h, bool touched);
-  bool keeps_energy() const;
   static bool factor_on_ground(Island& island, bool is_end);
   bool start_on_ground(Island& island);
   /// Says how far corrections of all islands are.

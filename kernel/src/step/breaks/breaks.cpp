@@ -57,13 +57,16 @@ std::uint32_t Breaks::whole_at(std::uint32_t rod) const {
   return whole_[a] != none ? whole_[a] : whole_[b];
 }
 
+std::uint32_t Breaks::head_of(const Whole& whole) const {
+  const auto head = std::find_if(whole.particles.begin(), whole.particles.end(),
+                                 [&](std::uint32_t each) { return whole_[each] != none; });
+  return head == whole.particles.end() ? none : *head;
+}
+
 Array<std::uint32_t> Breaks::heads() const {
   Ids out;
-  for (const Whole& whole : wholes_) {
-    const auto head = std::find_if(whole.particles.begin(), whole.particles.end(),
-                                   [&](std::uint32_t each) { return whole_[each] != none; });
-    if (head != whole.particles.end()) out.push_back(*head);
-  }
+  for (const Whole& whole : wholes_)
+    if (const std::uint32_t head = head_of(whole); head != none) out.push_back(head);
   return out;
 }
 

@@ -97,6 +97,9 @@ class Breaks {
 
   /// Returns the first movable particle of each island.
   Array<std::uint32_t> heads() const;
+  bool is_head(std::uint32_t particle) const {
+    return whole_[particle] != none && head_of(wholes_[whole_[particle]]) == particle;
+  }
   /// Returns the particles of the island of a movable one, or none of a fixed one.
   std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
     if (whole_[particle] == none) return {};
@@ -161,6 +164,7 @@ class Breaks {
   };
   class Copy;
 
+  std::uint32_t head_of(const Whole& whole) const;  ///< It is none if nothing moves.
   std::uint32_t spare_whole();
   void remove_from_wholes(const Names& what);
   std::uint32_t whole_at(std::uint32_t rod) const;

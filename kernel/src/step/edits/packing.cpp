@@ -24,10 +24,7 @@ void Step::list_arrivals(const Addition& of) {
   Array<std::uint32_t> heads;
   for (std::uint32_t k = 0; k < of.scene.particles.size() && heads.size() <= most_alone; ++k) {
     const std::uint32_t particle = of.first.particles + k;
-    const auto island = breaks_.island_at(particle);
-    const auto is_movable = [&](std::uint32_t each) { return !anchors_.is_fixed(each); };
-    const auto head = std::find_if(island.begin(), island.end(), is_movable);
-    if (head == island.end() || *head != particle) continue;
+    if (!breaks_.is_head(particle)) continue;
     const Place* const place = contact_place(particle);
     if (place && !compiled_.contact->may_go_home(place->slot)) continue;
     if (of.scene.particles[k].asleep) return;
