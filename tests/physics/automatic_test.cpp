@@ -206,10 +206,10 @@ TEST(Automatic, RelaxesWhatLandsOnEachOtherAtOnce) {
       for (const std::uint32_t end : {scene.rods[rod].a, scene.rods[rod].b})
         scene.particles[end].velocity = is_upper ? Vec3{0, -speed, 0} : Vec3{};
     }
-  World picks(scene, automatic()), solves(scene, {.method = Method::direct});
-  const StepReport relaxed = picks.step(1.0 / 60), solved = solves.step(1.0 / 60);
+  World picks(scene, automatic());
+  const StepReport relaxed = picks.step(1.0 / 60);
   EXPECT_GE(relaxed.contact_points, 36u);
-  EXPECT_LT(relaxed.newton, solved.newton);
+  EXPECT_EQ(relaxed.newton, 0u);
   EXPECT_GE(relaxed.block_sweeps, 4u * 20u) << "four substeps of twenty sweeps";
   EXPECT_LE(test::stretch_of(scene, picks).max, 1e-6);
   EXPECT_LE(test::deepest(scene, picks), 1e-3);

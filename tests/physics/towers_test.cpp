@@ -1,4 +1,4 @@
-// Towers of boxes stand, sleep and weigh what they weigh, on every kind of level ground.
+// Towers and walls of boxes stand, sleep and weigh what they weigh, on every kind of level ground.
 
 #include <gtest/gtest.h>
 
@@ -65,7 +65,8 @@ TEST(Tower, WeighsWhatItWeighs) {
 }
 
 // Taller ones stand, too, with default settings, and cost little. Where contacts changed their places from
-// substep to substep they took two million sweeps, cut in 64 parts. Sweeps without momentum were 108,000.
+// substep to substep they took two million sweeps, cut in 64 parts. Sweeps without momentum were 108,000, and
+// those with friction from the first on up to 90,000.
 TEST(Tower, OfTwentyBoxesCostsLittle) {
   for (const int count : {13, 14, 15, 16, 20}) {
     Scene ground;
@@ -75,10 +76,43 @@ TEST(Tower, OfTwentyBoxesCostsLittle) {
     StepReport all;
     for (int i = 0; i < 120; ++i) all += world.step(frame);
     EXPECT_EQ(all.unsolved, 0u) << count;
-    EXPECT_LT(all.block_sweeps, 90'000u) << count;
+    EXPECT_LT(all.block_sweeps, 20'000u) << count;
     for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
-      EXPECT_LT(norm(world.pose(i).position - scene.bodies[i].center), 0.02) << count << ", " << i;
+      EXPECT_LT(norm(world.pose(i).position - scene.bodies[i].center), 2e-3) << count << ", " << i;
   }
+}
+
+/// Bricks of 20 x 10 x 10 cm that touch exactly, each row half a brick aside of the one below. Rows of a
+/// pyramid get shorter, so that each brick stands on two.
+Scene wall_of(int width, int rows, bool is_pyramid) {
+  Scene scene;
+  scene.planes.push_back({});
+  for (int row = 0; row < rows; ++row)
+    for (int i = 0; i < width - (is_pyramid ? row : 0); ++i)
+      test::add_box(scene, {0.2 * i + 0.1 * (is_pyramid ? row : row % 2), 0.05 + 0.1 * row, 0},
+                    {0.1, 0.05, 0.05}, 1, {});
+  return scene;
+}
+
+// Nothing is known of pushes in the first step. Found from nothing, they and friction strained these walls,
+// and were not found in 4,000 sweeps and ten halvings, which took half a second. Bricks stand where they were
+// to a tenth of the slop, and a step takes no more sweeps than some ten for each row.
+TEST(BrickWall, StandsFromTheFirstStepOn) {
+  for (const bool is_pyramid : {false, true})
+    for (const std::uint32_t substeps : {1u, 4u}) {
+      SCOPED_TRACE(testing::Message() << (is_pyramid ? "pyramid, " : "wall, ") << substeps);
+      const Scene scene = wall_of(10, 9, is_pyramid);
+      World world(scene, {.substeps = substeps, .threads = 1});
+      StepReport report;
+      do {
+        report = world.step(frame);
+        EXPECT_EQ(report.unsolved + report.halvings, 0u);
+        EXPECT_LE(report.block_sweeps, substeps * 120u);
+      } while (report.awake_islands > 0 && world.time() < 2);
+      EXPECT_EQ(report.awake_islands, 0u);
+      for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
+        EXPECT_LT(norm(test::middle_of(scene, world, i) - scene.bodies[i].center), 5e-5) << i;
+    }
 }
 
 }  // namespace

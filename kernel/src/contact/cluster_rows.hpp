@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "contact/linkage/combination.hpp"
+#include "contact/solved/cluster_limits.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
@@ -89,7 +91,19 @@ struct ClusterRows {
   /// Sweeps come in rounds, with a correction after each.
   struct Rounds {
     int most = 0;            ///< sweeps of the next one, at most
-    double left = INFINITY;  ///< m or rad, the last change of the one before
+    double left = INFINITY;  ///< m or rad, the least that any left
+    int idle = 0;            ///< rounds since that was much less than before
+    bool is_over = false;    ///< another would come no closer
+    /// Takes note of one of `taken` sweeps that changed `last` in the end. Rounds get longer while they come
+    /// closer. What contradicts itself does not, however often it is swept, and what came close is left so.
+    void follow(int taken, double last, double tolerance) {
+      idle = last < contact_limits::much_better * left ? 0 : idle + 1;
+      const bool comes_closer = idle < contact_limits::most_idle_rounds;
+      most =
+          comes_closer ? std::min(2 * taken, contact_limits::most_sweeps) : contact_limits::most_sweeps / 4;
+      is_over = !comes_closer && last <= contact_limits::close * tolerance;
+      left = std::min(left, last);
+    }
   };
   /// A free particle that a contact's rows act on.
   struct FreeTerm {

@@ -107,6 +107,27 @@ void ClusterStepper::take_back() {
   }
 }
 
+/// Returns whether what is awake lies on something fixed and went no farther than sweeps leave of what moves.
+bool ClusterStepper::hardly_moves() const {
+  const double most = still_ / tighter;
+  const bool lies = is_on_ground() || std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
+                      return row.kind == Kind::normal && row.ends == 1 && row.p > 0;
+                    });
+  return lies && std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
+           return !each.awake ||
+                  std::all_of(each.d.begin(), each.d.end(), [&](Vec3 d) { return dot(d, d) <= most * most; });
+         });
+}
+
+/// Leaves what is awake where it was, at rest.
+void ClusterStepper::stay() {
+  take_back();
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake)
+      for (Array<Vec3>* const each : {&islands_[i].d, &islands_[i].v})
+        std::fill(each->begin(), each->end(), Vec3{});
+}
+
 /// Makes room for a substep with gradient new, so that the first one allocates nothing.
 void ClusterStepper::make_room_to_damp(Island& island) {
   const std::uint32_t movable = island.state->linkage->movable();
@@ -213,6 +234,11 @@ bool ClusterStepper::guard(double before, const Energies& held, bool touched, bo
                            Tally& report) {
   const double recovered = touched ? work_of_recovery() : 0;
   if (!guard_energy(before, recovered, touched, can_shorten && !(rests_ && is_stopped_), report)) {
+    // Of what rests nothing is to move. Halves of the step would bring what the sweeps left into each.
+    if (rests_ && hardly_moves()) {
+      stay();
+      return true;
+    }
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     tries_again_ = touched && !tight_;
     tight_ = true;

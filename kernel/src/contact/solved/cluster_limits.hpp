@@ -106,8 +106,14 @@ inline constexpr double tighter = 1e-2;
 /// error.
 inline constexpr double rough = 0.3;
 /// A substep sweeps its contacts at most this often before a correction. After one it begins with a quarter
-/// of that, which is doubled beyond few_rows where it was not enough but came much closer.
-inline constexpr int most_sweeps = 60;
+/// of that, which is doubled beyond few_rows where it was not enough but some of the last few rounds came
+/// much closer. Changes rise and fall with momentum, so that one round alone says little.
+inline constexpr int most_sweeps = 60, most_idle_rounds = 3;
+/// If none did, so many times ContactSettings::tolerance is close enough. Walls of bricks that were hit came
+/// no closer in halves of the step either.
+inline constexpr double close = 10;
+/// What falls together pushes along normals alone first, at most so often.
+inline constexpr int most_cold_sweeps = 120;
 /// What touches a net is swept so often, and so far, before every correction: one of a net takes as long as
 /// some fifty sweeps. A ball that is heavier than what catches it takes a hundred.
 inline constexpr int most_sweeps_on_net = 200;

@@ -105,14 +105,15 @@ void ClusterStepper::bounce(double h) {
   // Where the substep ends, elastics that it resolves do not hold what is pushed.
   find_responses(true);
   // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
-  // rest, what pushes in the second half is what pushed in the first.
+  // rest, what pushes in the second half is what pushed in the first. What was hit is pushed less.
+  const double share = rests_ ? 1 : 0.5;
   bool pushes = false;  // rows of a contact follow their normal
   for (Row& row : rows_) {
     if (!row.follows_normal()) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::brake && row.bounce == 0;
     // Gradient new has pushed all it is to push by then.
     const bool is_over = islands_[row.island[0]].theta == 1;
-    if (!row.held || !pushes) row.q = lasts && !is_over ? 0.5 / h * row.p : 0;
+    if (!row.held || !pushes) row.q = lasts && !is_over ? share * row.p / h : 0;
   }
   lay_pushes();
   const double enough = still_ / h;
@@ -140,7 +141,7 @@ void ClusterStepper::bounce(double h) {
     }
     const double till = is_last ? enough : std::max(enough, rough * left);
     int sweeps = 0;
-    sweep_on<&Row::q>(till, most_sweeps, sweeps);
+    sweep_on<&Row::q>(till, most_sweeps, sweeps_alone, sweeps);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <utility>
 
 #include "contact/rows.hpp"
@@ -9,8 +11,24 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-/// Sweeps positions until what is left is small or waits for corrections. Returns the largest change that is
-/// left, in m or rad, and adds to `sweeps`.
+namespace {
+
+/// Returns whether most contacts are new, and many. Sweeps from nothing first push what falls together
+/// against each other, and friction turns that into a strain that takes hundreds of sweeps to go.
+bool are_cold(std::span<const ClusterRows::Row> rows) {
+  std::size_t all = 0, held = 0;
+  for (const ClusterRows::Row& row : rows)
+    if (row.kind == ClusterRows::Kind::normal) {
+      ++all;
+      held += row.held;
+    }
+  return all > few_touching && 2 * held < all;
+}
+
+}  // namespace
+
+/// Sweeps positions until what is left is small, comes no closer or waits for corrections. Returns the
+/// largest change that is left, in m or rad, and adds to `sweeps`.
 double ClusterStepper::sweep(int correction, int& sweeps) {
   // A correction may have changed contacts too little to matter. Sweeping then would only disturb
   // constraints again.
@@ -18,16 +36,20 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
   const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? 10 : 1) * still_) return left;
+  if (rounds_.is_over) return rounds_.left;
   const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : rounds_.most;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
+  if (correction == 0 && !has_nets_ && are_cold(rows_)) {
+    friction_waits_ = true;
+    sweep_on<&Row::p>(10 * still_, most_cold_sweeps, sweeps_alone, sweeps);
+    friction_waits_ = false;
+  }
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
   ++sweeps;
-  if (left > till) left = sweep_on<&Row::p>(till, most - 1, sweeps);
-  // What contradicts itself comes no closer, however often it is swept.
-  if (left > till && is_crowded())
-    rounds_.most = left < much_better * rounds_.left ? std::min(2 * most, most_sweeps) : most_sweeps / 4;
-  rounds_.left = left;
+  const int alone = correction > 0 && is_crowded() ? 1 : sweeps_alone;
+  if (left > till) left = sweep_on<&Row::p>(till, most - 1, alone, sweeps);
+  if (left > till && is_crowded()) rounds_.follow(most, left, settings_.tolerance);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
@@ -141,7 +163,8 @@ bool ClusterStepper::solve_positions(Tally& report) {
       if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;
     const bool is_finished = now.to_do <= 1 || now.to_do > 0.5 * last_to_do;
     if (now.violation <= exact && is_finished && !now.lacks &&
-        (left <= 10 * still_ || (correction + 1 >= most / 2 && !is_patient && left <= settings_.tolerance))) {
+        (left <= 10 * still_ || rounds_.is_over ||
+         (correction + 1 >= most / 2 && !is_patient && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }

@@ -245,8 +245,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double slide(const Row& row);
   bool is_held_in_ground(const Row& row);
   bool is_driven_in(const Row& row);
-  void push(const Row& row, double by);
-  void push(const Row& first, double by0, double by1, double by2);
+  void push(const Row&row, double by), push(const Row&first, double by0, double by1, double by2);
   void push_held();
   double wanted(const Row& row, double whole, double u) const;
   /// Whether a sweep pushes or only says how far it would.
@@ -273,7 +272,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   template <double Row::*of>
   void go_on(double share);
   template <double Row::*of>
-  double sweep_on(double till, int most, int& sweeps);
+  double sweep_on(double till, int most, int alone, int& sweeps);
   bool is_wide() const;
   /// Returns whether contacts are so many that some come and go in each correction, and disturb constraints.
   bool is_crowded() const { return is_wide_ || rows_.size() > contact_limits::few_rows; }
@@ -307,8 +306,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const, elastic_energy() const, weight() const, kinetic() const;  // J
   std::pair<double, double> kinetic_and_potential() const;
-  bool is_passive() const;
-  void take_back(), stop();
+  bool is_passive() const, hardly_moves() const;
+  void take_back(), stop(), stay();
   /// Energies of what is awake, J.
   struct Energies {
     double all = 0, moving = 0;  ///< with and without that of weight and constant forces
@@ -375,6 +374,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
   bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
+  bool friction_waits_ = false;                        ///< sweeps change normal pushes alone
   bool has_momentum_ = false, has_nets_ = false;  ///< sweeps go on the way they went; some island is a net
   double kept_of_overlaps_ = 1;                   ///< the share of their pushes that sweeps keep
   bool is_unfound_ = false;  ///< the last try found no positions, rather than that something gained energy

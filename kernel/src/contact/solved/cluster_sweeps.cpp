@@ -148,7 +148,8 @@ double ClusterStepper::contact(std::size_t r, double wanted, double kept) {
       wanted = n.*of + n.own / (n.own + overshoot) * (wanted - n.*of);
   }
   const double normal = std::max(0.0, wanted), by0 = normal - n.*of;
-  double first = kept * (first_alone - n.across[0] * by0), second = kept * (second_alone - n.across[1] * by0);
+  double first = friction_waits_ ? s.*of : kept * (first_alone - n.across[0] * by0);
+  double second = friction_waits_ ? t.*of : kept * (second_alone - n.across[1] * by0);
   into_disk<of>(s, t, first, second, n.bound * normal);
   const double by1 = first - s.*of, by2 = second - t.*of;
   if constexpr (sweep == Sweep::pushes) {
@@ -312,19 +313,19 @@ void ClusterStepper::go_on(double share) {
 /// Sweeps until a sweep changes no more than `till` (m or m/s), or `most` times, and adds to `sweeps`.
 /// Returns the last change.
 ///
-/// Sweeps alone carry a push through a pile in about the square of as many as it has layers. From the first
-/// few on they have momentum.
+/// Sweeps alone carry a push through a pile in about the square of as many as it has layers. After so many
+/// they have momentum.
 template <double ClusterStepper::Row::*of>
-double ClusterStepper::sweep_on(double till, int most, int& sweeps) {
+double ClusterStepper::sweep_on(double till, int most, int alone, int& sweeps) {
   double left = INFINITY;
   Momentum momentum;
   for (int taken = 0; taken < most && left > till; ++taken, ++sweeps) {
-    has_momentum_ = taken >= sweeps_alone;
+    has_momentum_ = taken >= alone;
     if (!has_momentum_) {
       left = sweep<of>();
       continue;
     }
-    if (taken == sweeps_alone) {
+    if (taken == alone) {
       keep_pushes<of>(last_pushes_);
       for (std::uint32_t i = 0; i < count_; ++i) {
         islands_[i].last_speed = islands_[i].speed;
@@ -343,7 +344,7 @@ double ClusterStepper::sweep_on(double till, int most, int& sweeps) {
   return left;
 }
 
-template double ClusterStepper::sweep_on<&ClusterStepper::Row::p>(double, int, int&);
-template double ClusterStepper::sweep_on<&ClusterStepper::Row::q>(double, int, int&);
+template double ClusterStepper::sweep_on<&ClusterStepper::Row::p>(double, int, int, int&);
+template double ClusterStepper::sweep_on<&ClusterStepper::Row::q>(double, int, int, int&);
 
 }  // namespace plumb::detail
