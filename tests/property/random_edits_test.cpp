@@ -294,6 +294,26 @@ void sever(Twins& twins, Random& random) {
   EXPECT_TRUE(twins.one.has(item));
 }
 
+/// Joins particles of both by a spring, or one to a ball that is added where it is.
+void join_by_joint(Twins& twins, Random& random) {
+  const std::uint32_t particle = below(random, twins.one.particle_count()),
+                      other = below(random, twins.one.particle_count());
+  if (!twins.one.handle<Particle>(particle)) return;
+  const auto join_both = [&](const auto& item) {
+    const std::string why = test::refusal([&] { twins.one.join(item); });
+    EXPECT_EQ(why, test::refusal([&] { twins.two.join(item); }));
+  };
+  if (below(random, 2) == 0)
+    return join_both(Spring{
+        .a = point_at(particle), .b = point_at(other), .length = 0.15, .stiffness = 3, .damping = 0.01});
+  Scene ball;
+  ball.particles = {{.position = twins.one.position(particle), .velocity = {0, 0.5, 0}, .mass = 0.1}};
+  const std::uint32_t added = twins.one.add(ball).particle;
+  EXPECT_EQ(twins.two.add(ball).particle, added);
+  note(twins, ball, added);
+  join_both(Pin{.a = point_at(particle), .b = point_at(added)});
+}
+
 /// Saves one of the twins, and lets a third world go on from there.
 void expect_restored(const Scene& scene, Twins& twins) {
   std::vector<std::byte> bytes(twins.one.snapshot_size());
@@ -381,6 +401,10 @@ void try_world(std::uint32_t seed, std::uint64_t& edits, bool severs) {
     if (severs && below(of_joints, 2) == 0) {
       ++edits;
       below(of_joints, 2) == 0 ? sever<Pin>(twins, of_joints) : sever<Spring>(twins, of_joints);
+    }
+    if (severs && below(of_joints, 3) == 0) {
+      ++edits;
+      join_by_joint(twins, of_joints);
     }
     const Vec3 before = twins.momentum();
     bool has_fixed = false;

@@ -91,7 +91,7 @@ TEST(NamedParts, JoinInTheOrderOfNumbers) {
   parts[1].names.rods = {5, 6, 7, 8, 9, 10};
   parts[1].names.bodies = {0};
   parts[1].names.hulls = {3};
-  detail::Meeting meeting{{}, {}, {}, detail::joined(parts), {}};
+  detail::Meeting meeting{{}, {}, {}, detail::joined(parts), {}, {}};
   const detail::NamedPart& all = meeting.others;
   EXPECT_EQ(all.names.particles, (Array<std::uint32_t>{1, 2, 3, 4, 7, 8, 9}));
   EXPECT_EQ(all.scene.particles[3].mass, 3);

@@ -147,14 +147,12 @@ class PLUMB_API World {
   /// twists or fixed ends. Beside joints or shapes it does so on what gives, bends, drags or is of a body.
   /// An edit that brings such a rod there in the step of its change is refused, too.
   void set_length(std::uint32_t rod, double target);
-
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the
   /// next step, as a motor at its end does. `angle` (rad) takes the place of Twist::angle. Throws InputError
   /// on an unknown twist or an angle that is not finite.
   void set_twist(std::uint32_t twist, double angle);
   /// Returns how far an unbroken chain is twisted, in rad. Throws InputError on an unknown twist.
   double twist(std::uint32_t twist) const;
-
   /// Returns the pull of a rod in N, averaged over the last step: negative if it pushes, and 0 after it
   /// broke. Beside bends it is the force along the rod, with what bends have of it: that in a wire. That of a
   /// relaxed rod is what sweeps found. It is NaN before the first step. Throws InputError on an unknown rod,
@@ -182,14 +180,18 @@ class PLUMB_API World {
   /// give numbers anew. Throws InputError on a stale handle, too.
   template <class Item>
   void cut(Handle<Item> item);
-  /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
-  /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
-  /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
+  /// Joins particles, of two islands or of one, by a new Rod, Pin, AngleControl, Spring or Torsion from the
+  /// next step on. They are those of this world, and a rod's length of 0 is their distance now. Nothing jumps
+  /// but velocities along a rigid rod and of a pin's places against each other. Those end as in an inelastic
+  /// blow, which keeps momentum and angular momentum, also where sweeps go on. Its number is the lowest
   /// that is free, or new; cut() before the next step gives it back.
-  /// Throws InputError as cut() does, on rods that validate() refuses or that air slows, and on those that do
-  /// not fit between their ends. It does so on ends that are both fixed or joined already, and on what would
-  /// bring islands with shapes or joints together with tackles. Messages of validate() call the rod rod 0.
-  Handle<Rod> join(const Rod& rod);
+  /// Throws InputError as cut() does, on what validate() refuses, whose messages call it number 0, on rods
+  /// that air slows, and on ends that are both fixed or joined already. It does so on rods that do not fit
+  /// between their ends, and pins whose places are apart by 10^-6 of the rods at them. So it does on angles
+  /// with directions that no body has, and on what would bring islands with shapes or joints together with
+  /// tackles. All but rods it refuses where add() refuses joints.
+  template <class Item = Rod>
+  Handle<Item> join(const Item& item);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end, and so do
@@ -264,7 +266,6 @@ class PLUMB_API World {
   double tackle_tension(std::uint32_t tackle, std::uint32_t segment) const;
   /// Returns the power (W) of a tackle whose length changes, as power() does of a rod.
   double tackle_power(std::uint32_t tackle) const;
-
   /// Lets `out` metres of a reel's rope be out at the end of the next step, at a constant rate. Throws
   /// InputError on an unknown reel, and on a length that is not positive or more than the chain has.
   void set_reel(std::uint32_t reel, double out);
@@ -279,7 +280,6 @@ class PLUMB_API World {
   /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError
   /// unless it has particle_count() elements, or without Settings::tensions.
   void copy_reactions(std::span<Vec3> out) const;
-
   /// Returns the force in N that a ball joint (Scene::pins) puts on the place `a`, averaged over the last
   /// step; `b` gets the opposite. It is NaN before the first step. Throws InputError on an unknown joint, or
   /// without Settings::tensions.

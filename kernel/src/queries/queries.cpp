@@ -224,7 +224,7 @@ void Queries::update(const World& world) {
   const detail::Population& population = step.population();
   of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
-    of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;
+    of.gone[i] = !population.rods.has(i) || step.waits<Rod>(i) || step.is_broken(i) ? 1 : 0;
   // Numbers of what was removed may be those of what was added since.
   const auto list_ended = [&](ShapeKind kind, const detail::Numbers& numbers, Array<std::uint8_t>& out) {
     for (std::uint32_t i = 0; i < out.size(); ++i)

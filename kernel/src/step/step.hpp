@@ -23,19 +23,13 @@
 #include "step/reactions.hpp"
 #include "step/sleep.hpp"
 #include "step/state/events.hpp"
+#include "step/state/standing.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
 #include "time/advance.hpp"
 #include "time/budget.hpp"
 
 namespace plumb::detail {
-
-/// Says of a particle which island it is of now, by a number without further meaning, and whether that
-/// sleeps. Fixed ones, from which several may hang, are of none.
-struct Standing {
-  std::uint64_t island = ~std::uint64_t{0};
-  bool is_asleep = false;
-};
 
 /// Holds a compiled scene and steps it.
 class Step : public InMemory {
@@ -110,7 +104,12 @@ class Step : public InMemory {
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
-  bool waits(std::uint32_t rod) const;
+  /// Returns whether an item of a kind is joined in the next step, and nowhere before.
+  bool waits(std::size_t kind, std::uint32_t number) const;
+  template <class Item>
+  bool waits(std::uint32_t number) const {
+    return waits(kind_of<Item>(), number);
+  }
   const Breaks& breaks() const { return breaks_; }
   /// Returns whether a rod is to be cut in the next step.
   bool is_ordered(std::uint32_t rod) const {
@@ -126,9 +125,11 @@ class Step : public InMemory {
   /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
   void fix(std::uint32_t particle, bool is_fixed);
   void set_mass(std::uint32_t particle, double mass);
-  /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number.
-  /// Throws InputError where an island cannot be made anew, and if the settings cannot move the rod.
-  std::uint32_t join(const Rod& rod, const Scene& alone);
+  /// Joins particles by a rod whose length is known, a joint or a spring, which has them in all slots.
+  /// `alone` is that by itself. Returns its number. Throws InputError where it does not fit or an island
+  /// cannot be made anew, and if the settings cannot move it.
+  template <class Item>
+  std::uint32_t join(const Item& item, const Scene& alone);
   /// Lets islands that do not lie well be made anew side by side.
   void pack();
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
@@ -286,8 +287,12 @@ class Step : public InMemory {
   void order(const Edits& edits, bool is_ordered);
   void refix(const Edits& edits);
   bool joins_by_mass(std::uint32_t rod) const;
-  void take_back(std::span<const std::uint32_t> rods);
-  void require_joinable(const Rod& rod) const;
+  void take_back(Names numbers);
+  template <class Item>
+  void require_joinable(const Item& item) const;
+  void require_place_for(const Rod& rod) const;
+  void require_place_for(const Pin& pin) const;
+  void require_place_for(const AngleControl& angle) const;
   void put_joined(const Edits& edits);
   void set_state(Fallen& fallen, const Split& now) const;
   Log::Group group_of(const Fallen& fallen, const Split& now);
@@ -297,11 +302,7 @@ class Step : public InMemory {
   void apply_gravity(Vec3 gravity);
   template <class At>
   void require_fit(std::span<const std::uint32_t> particles, At&& at) const;
-  /// Says where a movable particle goes (m), and how fast (m/s).
-  struct Motion {
-    std::uint32_t particle;
-    Vec3 position, velocity;
-  };
+  struct Motion;
   template <class At>
   void keep_lengths(Array<Motion>& motions, At&& at) const;
   template <class At>
@@ -316,6 +317,7 @@ class Step : public InMemory {
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   bool meets_as_no_winch(std::uint32_t cord, const Array<std::uint32_t>& ends) const;
   bool is_of_body(std::uint32_t rod) const;
+  bool meets_in_contact(const Edits& edits, std::span<const std::uint32_t> ends) const;
   void require_simple_meeting(const std::string& what, const Edits& edits) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const Solver::Past> pasts);
   void fit_freed(const Fallen& fallen, const Split& now);

@@ -189,21 +189,21 @@ double World::twist(std::uint32_t twist) const {
 }
 void World::set_spring(std::uint32_t number, const Spring& spring) {
   detail::require_sound(spring, number);
-  Impl::require_there(impl_->step->population().springs, "spring", number);
+  impl_->require_law<Spring>(number);
   impl_->step->set_law(number, spring);
 }
 void World::set_torsion(std::uint32_t number, const Torsion& torsion) {
   detail::require_sound(torsion, number);
-  Impl::require_there(impl_->step->population().torsions, "torsion", number);
+  impl_->require_law<Torsion>(number);
   impl_->step->set_law(number, torsion);
 }
 void World::set_angle(std::uint32_t number, const AngleControl& angle) {
   detail::require_sound(angle, number);
-  Impl::require_there(impl_->step->population().angles, "angle", number);
+  impl_->require_law<AngleControl>(number);
   impl_->step->set_law(number, angle);
 }
 double World::torsion_angle(std::uint32_t number) const {
-  Impl::require_there(impl_->step->population().torsions, "torsion", number);
+  impl_->require_law<Torsion>(number);
   return impl_->step->torsion_angle(number);
 }
 
@@ -259,16 +259,16 @@ void World::copy_reactions(std::span<Vec3> out) const {
 }
 
 Vec3 World::pin_force(std::uint32_t pin) const {
-  return impl_->contact(impl_->step->population().pins, "pin", pin).pin_force(pin);
+  return impl_->mean_of<Pin>(pin, &detail::ContactSolver::pin_force);
 }
 double World::angle_torque(std::uint32_t angle) const {
-  return impl_->contact(impl_->step->population().angles, "angle", angle).angle_torque(angle);
+  return impl_->mean_of<AngleControl>(angle, &detail::ContactSolver::angle_torque);
 }
 Vec3 World::spring_force(std::uint32_t spring) const {
-  return impl_->contact(impl_->step->population().springs, "spring", spring).spring_force(spring);
+  return impl_->mean_of<Spring>(spring, &detail::ContactSolver::spring_force);
 }
 double World::torsion_torque(std::uint32_t torsion) const {
-  return impl_->contact(impl_->step->population().torsions, "torsion", torsion).torsion_torque(torsion);
+  return impl_->mean_of<Torsion>(torsion, &detail::ContactSolver::torsion_torque);
 }
 Vec3 World::contact_force(std::uint32_t shape) const {
   Impl::require_one_of(impl_->shape_count(), "shape", shape);

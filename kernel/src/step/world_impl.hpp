@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -124,12 +126,24 @@ struct PLUMB_HIDDEN World::Impl {
     if (number >= all)
       detail::refuse(what, ' ', number, ": unknown, the world has ", all, ' ', what, all == 1 ? "" : "s");
   }
-  /// Returns what knows the forces of joints, for one that the world has.
-  const detail::ContactSolver& contact(const detail::Numbers& all, const char* what,
-                                       std::uint32_t number) const {
-    require_there(all, what, number);
+  /// Refuses the number of an item whose law cannot change: what the world does not have yet, or no more.
+  template <class Item>
+  void require_law(std::uint32_t number) const {
+    constexpr std::size_t kind = detail::kind_of<Item>();
+    require_there(*step->population().all()[kind], detail::names_of_kinds[kind], number);
+    if (step->waits<Item>(number))
+      detail::refuse(detail::names_of_kinds[kind], ' ', number,
+                     ": is joined in the next step, and acts then");
+  }
+  /// Returns the mean over the last step that the contact solver knows of a joint. One that is joined in the
+  /// next step has none yet.
+  template <class Item, class Value>
+  Value mean_of(std::uint32_t number, Value (detail::ContactSolver::*mean)(std::uint32_t) const) const {
+    constexpr std::size_t kind = detail::kind_of<Item>();
+    require_there(*step->population().all()[kind], detail::names_of_kinds[kind], number);
     require_tensions();
-    return step->contact();
+    if (step->waits<Item>(number)) return std::numeric_limits<double>::quiet_NaN() * Value{};
+    return (step->contact().*mean)(number);
   }
   void require_tensions() const {
     if (!tensions) detail::refuse("tensions are not known: Settings::tensions asks for them");

@@ -97,6 +97,8 @@ NamedPart ContactSolver::named_part(std::uint32_t island) const {
 void ContactSolver::copy_laws(const NamedPart& whole, const SceneParts& parts, std::uint32_t number,
                               LinkageState& to, bool with_plain_lengths) const {
   using Shares = Array<SceneParts::Share>;
+  // A torsion that is joined begins within half a turn of now, not of where its sides stood in the scene.
+  std::fill(to.elastic_numbers.begin(), to.elastic_numbers.end(), 0.0);
   const ByKind<Shares>& shares = parts.shares();
   const auto for_own = [&](const Array<std::uint32_t>& names, const Array<Owner>& owners,
                            const Shares& of_kind, auto&& f) {

@@ -24,6 +24,16 @@ void stand_as_in(const Scene& whole, NamedPart& part) {
     scene.hulls[k].points = whole.hulls[names.hulls[k]].points;
 }
 
+/// Projects velocities while anchors and wound rods go on as they went in the last substep.
+void project_as_it_went(LinkageState& state, ProjectionWork& work) {
+  const std::span<Vec3> anchors = std::span(state.v).subspan(state.linkage->movable());
+  std::copy(state.anchors_went.begin(), state.anchors_went.end(), anchors.begin());
+  state.lengths.follow_last();
+  project_velocities(state, work);
+  std::fill(anchors.begin(), anchors.end(), Vec3{});
+  state.lengths.follow(0);
+}
+
 }  // namespace
 
 auto ContactSolver::make_met(Meeting of) -> Array<Made> {
@@ -50,14 +60,17 @@ auto ContactSolver::make_met(Meeting of) -> Array<Made> {
       parts.push_back(std::move(part));
     }
   }
-  plain.insert(plain.begin(), std::move(of.homes));
-  plain.insert(plain.begin(), std::move(of.others));
+  plain.insert(plain.begin(), {std::move(of.others), std::move(of.homes)});
   NamedPart simple = joined(plain);
   simple.end_fixed();
   simple.end_torn_capsules(nullptr);
   for (std::size_t k = 0; k < simple.names.particles.size(); ++k)
     met.now.emplace(simple.names.particles[k], simple.scene.particles[k]);
+  for (std::size_t k = 0; k < of.joints.names.particles.size(); ++k)
+    if (of.joints.scene.particles[k].fixed)
+      met.now.emplace(of.joints.names.particles[k], of.joints.scene.particles[k]);
   parts.push_back(std::move(simple));
+  parts.push_back(std::move(of.joints));
   NamedPart all = joined(parts);
   stand_as_in(of.began, all);
   for (std::size_t k = 0; k < all.names.particles.size(); ++k) {
@@ -132,16 +145,19 @@ std::string ContactSolver::held_by(Slot slot, std::span<const std::uint8_t> is_f
   return part.held();
 }
 
-/// Anchors and wound rods go on as they went in the last substep.
+/// What sweeps move is solved this once, since they would make a bounce of a blow.
 void ContactSolver::project_edited_velocities(std::uint32_t island) {
-  if (relaxes_) return;
   LinkageState& state = states_[island];
-  const std::span<Vec3> anchors = std::span(state.v).subspan(state.linkage->movable());
-  std::copy(state.anchors_went.begin(), state.anchors_went.end(), anchors.begin());
-  state.lengths.follow_last();
-  project_velocities(state, work_);
-  std::fill(anchors.begin(), anchors.end(), Vec3{});
-  state.lengths.follow(0);
+  if (!relaxes_) return project_as_it_went(state, work_);
+  const Scene part = named_part(island).scene;
+  const Linkage solved(part, isa_, Linkage::Use::solved);
+  LinkageState alike(solved, island, part, false);
+  alike.x = state.x;
+  alike.v = state.v;
+  alike.anchors_went = state.anchors_went;
+  alike.lengths = state.lengths;
+  project_as_it_went(alike, work_);
+  state.v = alike.v;
 }
 
 }  // namespace plumb::detail

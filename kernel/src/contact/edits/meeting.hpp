@@ -10,13 +10,15 @@
 
 namespace plumb::detail {
 
-/// Names islands of the contact solver that come together, with each other or with what was not there.
+/// Names islands of the contact solver that come together, with each other or with what was not there. Joints
+/// and springs may do that.
 struct Meeting {
   std::span<const std::uint32_t> islands;
   const PartEdits& edits;
   /// They have particles, rods and bends, edited and where they are: of plain islands all, and of others
   /// what is new there. What is of `homes` is plain then.
   NamedPart homes, others;
+  NamedPart joints;    ///< Of their particles the fixed ones are as they are now.
   const Scene& began;  ///< the whole one, in which all stands where it has its lengths and angles
 };
 

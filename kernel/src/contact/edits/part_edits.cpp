@@ -53,6 +53,27 @@ bool joins_islands(const Scene& scene, const Array<std::uint32_t>& islands, cons
 
 }  // namespace
 
+NamedPart NamedPart::with_particles(const std::vector<Particle>& of_whole) const {
+  NamedPart out = *this;
+  Array<std::uint32_t>& named = out.names.particles;
+  const auto for_all = [&](auto&& f) {
+    for_lists(
+        [&](std::size_t, auto& list) {
+          for (auto& item : list) for_particles(item, f);
+        },
+        out.scene);
+  };
+  for_all([&](std::uint32_t particle) { named.push_back(particle); });
+  std::sort(named.begin(), named.end());
+  named.erase(std::unique(named.begin(), named.end()), named.end());
+  for_all([&](std::uint32_t& particle) {
+    particle =
+        static_cast<std::uint32_t>(std::lower_bound(named.begin(), named.end(), particle) - named.begin());
+  });
+  for (const std::uint32_t particle : named) out.scene.particles.push_back(of_whole[particle]);
+  return out;
+}
+
 void NamedPart::cut(std::uint32_t number, const PartEdits& edits) {
   const auto at = std::find(names.rods.begin(), names.rods.end(), number);
   if (at == names.rods.end()) return;

@@ -47,6 +47,13 @@ class NamedPart {
   Scene scene{};
   Names names{};
 
+  template <class Item>
+  void add(std::uint32_t number, const Item& item) {
+    names.all()[kind_of<Item>()]->push_back(number);
+    list_of<Item>(scene).push_back(item);
+  }
+  /// Returns this part with its particles, if it names those of a whole scene.
+  NamedPart with_particles(const std::vector<Particle>& of_whole) const;
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing. An end that moves and would have no shape without such a capsule gets a sphere.
   void cut(std::uint32_t rod, const PartEdits& edits);

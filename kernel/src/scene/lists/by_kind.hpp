@@ -31,6 +31,10 @@ struct ByKind {
 
   friend bool operator==(const ByKind&, const ByKind&) = default;
 };
+/// Says how messages call items, by kind.
+inline constexpr std::array names_of_kinds{"particle",  "rod",   "bend",   "tackle",  "body",    "pin",
+                                           "alignment", "angle", "spring", "torsion", "capsule", "hull"};
+static_assert(names_of_kinds.size() == ByKind<int>::kinds);
 
 /// Lists numbers of each kind.
 using Names = ByKind<Array<std::uint32_t>>;
@@ -67,6 +71,12 @@ constexpr std::size_t kind_of() {
   constexpr std::size_t kind = find(static_cast<const Lists*>(nullptr));
   static_assert(kind < ByKind<int>::kinds);
   return kind;
+}
+
+/// Returns the list of a scene that has items of a kind.
+template <class Item, class SceneOrConst>
+auto& list_of(SceneOrConst& scene) {
+  return std::get<kind_of<Item>()>(lists_of(scene));
 }
 
 /// Calls f(kind, list...) for each kind, with its lists of these scenes.
@@ -112,30 +122,28 @@ void for_particles(Body& of, F&& f) {
   for (std::uint32_t& particle : of.particles) f(particle);
 }
 template <class F>
-void for_particles(Point& of, F&& f) {
-  for (std::uint32_t& particle : of.particles) f(particle);
-}
-template <class F>
-void for_particles(Direction& of, F&& f) {
-  for_particles(of.from, f);
-  for_particles(of.to, f);
-}
-template <class F>
-void for_particles(Torsion& of, F&& f) {
-  for_particles(of.axis, f);
-  for_particles(of.u, f);
-  for_particles(of.v, f);
-}
-template <class F>
 void for_particles(const Hull&, F&&) {}
+
+/// Calls f(point) for all places of what has some: pins, springs, capsules, directions and what turns.
+template <class F>
+void for_points(Direction& of, F&& f) {
+  f(of.from);
+  f(of.to);
+}
+template <class F>
+void for_points(Torsion& of, F&& f) {
+  for_points(of.axis, f);
+  for_points(of.u, f);
+  for_points(of.v, f);
+}
 /// Pins, springs and capsules have two places.
 template <class Item, class F>
 requires requires(Item& of) {
   of.a.weights;
 }
-void for_particles(Item& of, F&& f) {
-  for_particles(of.a, f);
-  for_particles(of.b, f);
+void for_points(Item& of, F&& f) {
+  f(of.a);
+  f(of.b);
 }
 /// Alignments and angles have two directions.
 template <class Item, class F>
@@ -145,9 +153,18 @@ requires requires(Item& of) {
     of.axis;
   };
 }
+void for_points(Item& of, F&& f) {
+  for_points(of.u, f);
+  for_points(of.v, f);
+}
+template <class Item, class F>
+requires requires(Item& of) {
+  for_points(of, [](Point&) {});
+}
 void for_particles(Item& of, F&& f) {
-  for_particles(of.u, f);
-  for_particles(of.v, f);
+  for_points(of, [&](Point& point) {
+    for (std::uint32_t& particle : point.particles) f(particle);
+  });
 }
 
 }  // namespace plumb::detail

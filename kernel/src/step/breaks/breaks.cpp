@@ -177,11 +177,19 @@ std::pair<double, double>& Breaks::mass_at(std::uint32_t particle) {
   return masses_.try_emplace(particle, scene_now().particles[particle].mass, 0.0).first->second;
 }
 
-/// Lets rods join particles. grow() has made room for their numbers.
+/// Lets rods and joints join particles. grow() has made room for their numbers.
 void Breaks::join(const Edits& edits) {
-  joined_.clear();
-  for (const auto& [number, rod] : edits.joined) {
-    grown_->rods[number] = rod;
+  const auto& [scene, names] = edits.joined;
+  if (lists_any(names))
+    for_lists(
+        [&](std::size_t kind, auto& all, const auto& list) {
+          for (std::size_t k = 0; k < list.size(); ++k) all[(*names.all()[kind])[k]] = list[k];
+        },
+        *grown_, scene);
+  joined_ = names.rods;
+  for (std::size_t k = 0; k < names.rods.size(); ++k) {
+    const std::uint32_t number = names.rods[k];
+    const Rod& rod = scene.rods[k];
     if (rod.law.strength < never) weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), number), number);
     for (const std::uint32_t end : {rod.a, rod.b}) {
       Ids rods(rods_at(end).begin(), rods_at(end).end());
@@ -189,7 +197,6 @@ void Breaks::join(const Edits& edits) {
       rods_at_.replace(end, rods);
       touch(whole_[end], true);
     }
-    joined_.push_back(number);
   }
 }
 

@@ -35,8 +35,12 @@ struct Fallen {
   /// Has what comes together with islands of the contact solver that have no home, and is moved there from
   /// now on. Some of it may be there already.
   NamedPart held{};
+  NamedPart joints{};  ///< those that are joined, which name particles of the whole scene
 
-  bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
+  /// Returns whether islands come together in the contact solver.
+  bool meets() const { return !met.empty() || lists_any(joints.names); }
+  bool is_in_contact() const { return !parts.empty() || meets(); }
+  bool any() const { return !leaving.empty() || !particles.empty() || is_in_contact(); }
 };
 
 /// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work
@@ -68,6 +72,13 @@ class Breaks {
   /// Does so if the next take_out() makes the island of a movable particle one that has more than particles
   /// and rigid rods.
   void hold_unless_plain(std::uint32_t particle) { wholes_[whole_[particle]].is_to_be_plain = true; }
+  /// Lets the next take_out() make the island of a particle anew, and others move it from then on. A fixed
+  /// particle may be one that is freed then.
+  void hand_over(std::uint32_t particle) {
+    if (whole_[particle] == none) return held_freed_.push_back(particle);
+    wholes_[whole_[particle]].is_to_be_held = true;
+    along_.push_back(particle);
+  }
   /// Lets is_out() say that a rod is out although it is still to be taken, or takes that back.
   void order(std::uint32_t rod, bool is_ordered) {
     if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
@@ -147,7 +158,7 @@ class Breaks {
     bool is_touched = false, is_forced = false;  ///< The latter is made anew by order.
     bool stays = false;                          ///< A twist or a reel keeps it as it is.
     std::uint32_t parts = 0;
-    bool is_to_be_plain = false;
+    bool is_to_be_plain = false, is_to_be_held = false;
     bool is_held = false;  ///< Others move it, for good.
 
     bool leaves() const { return !stays && (is_forced || parts > 1); }

@@ -105,7 +105,7 @@ bool Breaks::is_held(const Cutout& of, const layouts::Islands& islands, std::uin
     const std::uint32_t particle = of.particles[k], whole = whole_[particle];
     if (fixed_[particle] != 0) continue;
     if (whole == none ? std::count(held_freed_.begin(), held_freed_.end(), particle) > 0
-                      : wholes_[whole].is_held)
+                      : wholes_[whole].is_held || wholes_[whole].is_to_be_held)
       return true;
     is_to_be_plain = is_to_be_plain || (whole != none && wholes_[whole].is_to_be_plain);
   }
@@ -161,7 +161,8 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const P
     };
     std::erase_if(whole.bends, has_ended(of.bends));
     std::erase_if(whole.twists, has_ended(of.twists));
-    whole.is_touched = whole.is_forced = whole.stays = whole.is_to_be_plain = false;
+    whole.is_touched = whole.is_forced = whole.stays = false;
+    whole.is_to_be_plain = whole.is_to_be_held = false;
     whole.parts = 0;
   }
   for (const std::uint32_t particle : of.particles)

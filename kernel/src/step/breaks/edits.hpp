@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <utility>
 
+#include "contact/edits/part_edits.hpp"
+#include "interface/archive.hpp"
 #include "plumb/layouts/memory.hpp"
 #include "plumb/scene.hpp"
 #include "scene/lists/by_kind.hpp"
+#include "scene/lists/scene_members.hpp"
 
 namespace plumb::detail {
 
@@ -27,23 +30,18 @@ inline bool is_plain_rod(const Rod& rod) {
   return rod.law.is_rigid() && rod.linear_drag == 0 && rod.orthogonal_drag == 0;
 }
 
-/// Says what a rod is that a program joins to particles that are there, and which number it got.
-struct Joined {
-  std::uint32_t number = 0;
-  Rod rod{};  ///< Its ends are particles of the world, and its length is known.
-
-  friend bool operator==(const Joined&, const Joined&) = default;
-};
 template <class Archive>
-void visit_members(Archive& archive, Joined& of) {
-  auto& [number, rod] = of;
-  archive(number, rod);
+void visit_members(Archive& archive, NamedPart& of) {
+  for_lists([&](std::size_t, auto& list) { archive(list); }, of.scene);
+  archive(of.names);
 }
 
 /// Lists what a program ordered between two steps that makes islands anew. A particle has one order of each
 /// kind at most, the last, and none to be what it is.
 struct Edits {
-  Array<Joined> joined;                            ///< They are done before all else.
+  /// Has what is joined before all else is done: rods whose lengths are known, joints and springs. They name
+  /// particles of the world, in all slots of places.
+  NamedPart joined;
   Array<std::uint32_t> cut;                        ///< rods
   Names severed;                                   ///< joints and springs, by kind; they ascend
   Array<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
@@ -53,11 +51,31 @@ struct Edits {
   Array<std::uint32_t> side_by_side;
   bool packs = false;
 
-  bool any() const {
-    return !joined.empty() || !cut.empty() || lists_any(severed) || !masses.empty() || !fixed.empty() ||
-           !side_by_side.empty() || packs;
+  /// Calls f(kind, number, particle) for all particles of what is joined.
+  template <class F>
+  void for_joined(F&& f) const {
+    for_lists(
+        [&](std::size_t kind, const auto& list) {
+          for (std::size_t k = 0; k < list.size(); ++k) {
+            auto item = list[k];
+            for_particles(item, [&](std::uint32_t each) { f(kind, (*joined.names.all()[kind])[k], each); });
+          }
+        },
+        joined.scene);
   }
-  friend bool operator==(const Edits&, const Edits&) = default;
+  /// Returns the joints and springs that are joined.
+  NamedPart joints() const {
+    NamedPart out = joined;
+    out.names.rods.clear();
+    out.scene.rods.clear();
+    return out;
+  }
+  bool any() const {
+    return lists_any(joined.names) || !cut.empty() || lists_any(severed) || !masses.empty() ||
+           !fixed.empty() || !side_by_side.empty() || packs;
+  }
+  /// All members are compared, to the bit.
+  friend bool operator==(const Edits& a, const Edits& b) { return saved(a) == saved(b); }
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {

@@ -109,7 +109,7 @@ void Step::require_same_pieces(const Step& from) const {
   }
   if (log_.is_empty()) return;  // Until something is done nobody knows rods by their ends.
   for (std::uint32_t rod = 0; rod < population_.rods.count(); ++rod) {
-    if (!population_.rods.has(rod) || from.waits(rod)) continue;
+    if (!population_.rods.has(rod) || from.waits<Rod>(rod)) continue;
     const auto rods = breaks_.rods_at(breaks_.scene_now().rods[rod].a);
     if (std::find(rods.begin(), rods.end(), rod) == rods.end()) refuse_for("rod", rod);
   }

@@ -233,10 +233,11 @@ void Step::drop_edits(const Names& of) {
   const auto is_gone = [](const Array<std::uint32_t>& list, std::uint32_t number) {
     return std::binary_search(list.begin(), list.end(), number);
   };
-  Array<std::uint32_t> waiting;
-  for (const auto& [number, rod] : edits_.joined)
-    if (is_gone(of.particles, rod.a) || is_gone(of.particles, rod.b)) waiting.push_back(number);
-  take_back(waiting);
+  Names waiting;
+  edits_.for_joined([&](std::size_t kind, std::uint32_t number, std::uint32_t particle) {
+    if (is_gone(of.particles, particle)) waiting.all()[kind]->push_back(number);
+  });
+  take_back(std::move(waiting));
   std::erase_if(edits_.cut, [&](std::uint32_t rod) { return is_gone(of.rods, rod); });
   for (std::size_t kind = 0; kind < of.kinds; ++kind)
     std::erase_if(*edits_.severed.all()[kind],

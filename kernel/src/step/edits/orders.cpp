@@ -25,13 +25,18 @@ void Step::require_editable(const char* what, std::uint32_t number, std::uint32_
     refuse(what, " ", number, ": reel ", *reel, " is of its island, which stays one");
 }
 
+/// Returns whether edits bring islands together that have shapes or joints then. `ends` are of these islands.
+bool Step::meets_in_contact(const Edits& edits, std::span<const std::uint32_t> ends) const {
+  const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
+  return lists_any(edits.joints().names) || std::any_of(ends.begin(), ends.end(), is_known);
+}
+
 /// Refuses edits of one step that would bring islands with shapes or joints together with tackles, twists or
 /// reels, which the contact solver does not know. The message begins with `what`.
 void Step::require_simple_meeting(const std::string& what, const Edits& edits) const {
   if (!compiled_.contact) return;
   const Ids ends = meeting(edits);
-  const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
-  if (std::none_of(ends.begin(), ends.end(), is_known)) return;
+  if (!meets_in_contact(edits, ends)) return;
   const auto require_none = [&](const char* of, const std::optional<std::uint32_t>& number) {
     if (number) refuse(what, ": islands with shapes or joints would come together with ", of, " ", *number);
   };
@@ -65,7 +70,7 @@ bool Step::meets_as_no_winch(std::uint32_t cord, const Array<std::uint32_t>& end
 
 void Step::cut(std::uint32_t rod) {
   breaks_.begin();
-  if (waits(rod)) return take_back({&rod, 1});
+  if (waits<Rod>(rod)) return take_back({.rods = {rod}});
   if (is_broken(rod)) return;
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
@@ -76,6 +81,9 @@ void Step::cut(std::uint32_t rod) {
 
 void Step::cut(std::size_t kind, const char* what, std::uint32_t number) {
   breaks_.begin();
+  Names one;
+  *one.all()[kind] = {number};
+  if (waits(kind, number)) return take_back(std::move(one));
   const auto mover = compiled_.contact ? compiled_.contact->mover_of(kind, number) : std::nullopt;
   require_editable(what, number, mover.value_or(0));
   Ids& ordered = *edits_.severed.all()[kind];
@@ -116,61 +124,6 @@ bool Step::joins_by_mass(std::uint32_t rod) const {
          rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0;
 }
 
-/// Returns whether a rod is joined in the next step, and nowhere before.
-bool Step::waits(std::uint32_t rod) const {
-  return std::any_of(edits_.joined.begin(), edits_.joined.end(),
-                     [&](const Joined& each) { return each.number == rod; });
-}
-
-/// Lets rods that wait never be joined, and nothing have their numbers.
-void Step::take_back(std::span<const std::uint32_t> rods) {
-  for (const std::uint32_t rod : rods) {
-    std::erase_if(edits_.joined, [&](const Joined& each) { return each.number == rod; });
-    population_.rods.give_back({&rod, 1});
-  }
-}
-
-/// Refuses a rod where an island cannot be made anew with it.
-void Step::require_joinable(const Rod& rod) const {
-  for (const std::uint32_t end : {rod.a, rod.b}) {
-    if (anchors_.is_fixed(end)) continue;  // if it is to be freed, fix() has looked at what hangs from it
-    require_editable("particle", end, end);
-    if (const auto twist = breaks_.twist_at(end))
-      refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
-  }
-  Edits then = edits_;
-  then.joined.push_back({.rod = rod});
-  require_simple_meeting("particle " + std::to_string(rod.a), then);
-  const auto require_other = [&](std::uint32_t number, const Rod& other) {
-    if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
-      refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
-  };
-  for (const std::uint32_t number : breaks_.rods_at(rod.a))
-    if (breaks_.joins_ends(number)) require_other(number, breaks_.scene_now().rods[number]);
-  for (const auto& [number, other] : edits_.joined) require_other(number, other);
-}
-
-std::uint32_t Step::join(const Rod& rod, const Scene& alone) {
-  breaks_.begin();
-  require_joinable(rod);
-  compile_addition(alone);  // which refuses what the settings cannot move
-  const std::uint32_t number = population_.rods.find(1);
-  population_.rods.take(number, 1);
-  grow_tables();
-  edits_.joined.push_back({number, rod});
-  return number;
-}
-
-/// Tells all that know rods of those that are joined. Who is fixed anew is looked at later.
-void Step::put_joined(const Edits& edits) {
-  for (const auto& [number, rod] : edits.joined) {
-    lengths_.add(number, rod.length);
-    rods_.add(number, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
-    if (settings_.tensions)
-      reactions_.insert_rod(breaks_.scene_now(), mass_model_of(settings_), number, anchors_);
-  }
-}
-
 /// Returns the bodies that have a particle.
 Array<std::uint32_t> Step::bodies_at(std::uint32_t particle) const {
   Array<std::uint32_t> out;
@@ -201,10 +154,16 @@ void Step::require_refixable(std::uint32_t particle, bool is_fixed) const {
       if (stands(bend.b) && (stands(bend.a) || stands(bend.c)))
         refuse("particle ", particle, ": cannot be fixed, since both ends of a rod of bend ", i, " would be");
     }
-    if (const Place* const place = contact_place(particle))
-      if (const std::string held = compiled_.contact->held_by(place->slot, anchors_.will_be_fixed());
-          !held.empty())
+    const auto require_mover = [&](const std::string& held) {
+      if (!held.empty())
         refuse("particle ", particle, ": cannot be fixed, since nothing of ", held, " could move then");
+    };
+    NamedPart joints = edits_.joints().with_particles(scene.particles);
+    for (std::size_t k = 0; k < joints.names.particles.size(); ++k)
+      joints.scene.particles[k].fixed = stands(joints.names.particles[k]);
+    require_mover(joints.held());
+    if (const Place* const place = contact_place(particle))
+      require_mover(compiled_.contact->held_by(place->slot, anchors_.will_be_fixed()));
   } else {
     for (const std::uint32_t i : bodies_at(particle))
       if (!compiled_.contact->has_body(i))

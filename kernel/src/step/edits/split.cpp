@@ -67,7 +67,7 @@ void Step::split(StepReport&) {
   for (const std::uint32_t tackle : fallen.tackles)
     now.lengths.push_back(lengths_.length(tackle_cord(tackle)));
   for (const std::uint32_t rod : fallen.held.names.rods) now.lengths.push_back(lengths_.length(rod));
-  if (!now.edits.joined.empty()) settle(fallen, now);
+  if (!now.edits.joined.names.rods.empty()) settle(fallen, now);
   split(std::move(fallen), now);
   log_.push(std::move(now), group);
 }
@@ -78,7 +78,7 @@ Log::Group Step::group_of(const Fallen& fallen, const Split& now) {
   const auto add_ends = [&](const Rod& rod) { particles.insert(particles.end(), {rod.a, rod.b}); };
   for (const Array<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
     for (const std::uint32_t rod : *rods) add_ends(breaks_.scene_now().rods[rod]);
-  for (const Joined& each : now.edits.joined) add_ends(each.rod);
+  now.edits.for_joined([&](std::size_t, std::uint32_t, std::uint32_t each) { particles.push_back(each); });
   for (const auto& [particle, mass] : now.edits.masses) particles.push_back(particle);
   for (const auto& [particle, is_fixed] : now.edits.fixed) particles.push_back(particle);
   return log_.join(particles);
@@ -175,7 +175,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
     pasts[k] = solver(place).past(place.slot);
   }
   // Those that were freed or joined go into islands whose velocities are of one substep, or else of now.
-  if (!now.edits.fixed.empty() || !now.edits.joined.empty()) {
+  if (!now.edits.fixed.empty() || !now.edits.joined.names.rods.empty()) {
     double longest = 0;
     for (const Solver::Past& each : pasts) longest = std::max(longest, each.substep);
     const bool is_one = std::all_of(pasts.begin(), pasts.end(), [&](const Solver::Past& each) {
@@ -188,7 +188,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
   const Array<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
   Array<ContactSolver::Made> parts;
-  if (!fallen.parts.empty()) parts = make_numbered_parts(fallen, now);
+  if (fallen.is_in_contact()) parts = make_numbered_parts(fallen, now);
   std::uint32_t islands = 0;
   const Array<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
@@ -197,7 +197,7 @@ void Step::exchange(Fallen& fallen, Split& now, Compiled made) {
   compiled_.info.islands += made.info.islands - islands;
   seat(std::move(made.solvers), now.seats, !now.edits.packs);
   put_places(fallen, made, now.seats);
-  if (!fallen.parts.empty()) {
+  if (fallen.is_in_contact()) {
     compiled_.info.islands += put_parts(parts);
     go_on_in_contact(fallen, parts);
   }

@@ -55,6 +55,12 @@ class Stretching {
 
 }  // namespace
 
+/// Says where a movable particle goes (m), and how fast (m/s).
+struct Step::Motion {
+  std::uint32_t particle;
+  Vec3 position, velocity;
+};
+
 /// Returns the misfit (m) of a rod as it is now, with ends so far apart.
 double Step::misfit_now(std::uint32_t rod, double distance) const {
   return is_broken(rod) ? 0 : misfit(distance, lengths_.length(rod), breaks_.scene_now().rods[rod].law);
@@ -81,11 +87,13 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
   for (const std::uint32_t particle : particles) {
     if (const auto reel = breaks_.reel_at(particle))
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");
-    for (const auto& [number, rod] : edits_.joined)
+    for (std::size_t k = 0; k < edits_.joined.names.rods.size(); ++k) {
+      const Rod& rod = edits_.joined.scene.rods[k];
       if ((rod.a == particle || rod.b == particle) &&
           !(misfit(norm(at(rod.b) - at(rod.a)), rod.length, rod.law) <= fits * rod.length))
-        refuse("rod ", number, ": is joined in the next step, ", rod.length,
+        refuse("rod ", edits_.joined.names.rods[k], ": is joined in the next step, ", rod.length,
                " m long, and its ends would be ", norm(at(rod.b) - at(rod.a)), " m apart");
+    }
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
       const auto& [a, b] = std::tie(scene.rods[rod].a, scene.rods[rod].b);
       if (anchors_.is_fixed(a) && anchors_.is_fixed(b)) continue;

@@ -83,11 +83,11 @@ PartEdits Step::list_part_edits(const Edits& edits, Ids& touched) const {
   return out;
 }
 
-/// Returns the movable ends of rods that are joined, and what hangs from particles that are freed: all
-/// islands that come together have some.
+/// Returns the movable particles of what is joined, and what hangs from particles that are freed: all islands
+/// that come together have some.
 Ids Step::meeting(const Edits& edits) const {
   Ids out;
-  for (const Joined& each : edits.joined) out.insert(out.end(), {each.rod.a, each.rod.b});
+  edits.for_joined([&](std::size_t, std::uint32_t, std::uint32_t each) { out.push_back(each); });
   for (const auto& [particle, is_fixed] : edits.fixed) {
     if (is_fixed) continue;
     for (const std::uint32_t rod : breaks_.rods_at(particle))
@@ -132,6 +132,9 @@ Fallen Step::take_out(const Split& now) {
   Ids meet = meeting(now.edits);
   for (const std::uint32_t rod : now.edits.cut)
     if (joins_by_mass(rod)) meet.push_back(rods_.end(rod));
+  now.edits.for_joined([&](std::size_t kind, std::uint32_t, std::uint32_t particle) {
+    if (kind != kind_of<Rod>()) breaks_.hand_over(particle);
+  });
   for (const std::uint32_t particle : meet) {
     touch(particle, met);
     if (contact_place(particle)) breaks_.hold_unless_plain(particle);
@@ -142,7 +145,8 @@ Fallen Step::take_out(const Split& now) {
   sort_once(linkages);
   take_along(now);
   Fallen out = breaks_.take_out(now.rods, now.edits);
-  if (parts.empty()) return out;
+  out.joints = now.edits.joints();
+  if (parts.empty() && !out.meets()) return out;
   for (const std::uint32_t part : parts) {
     const auto particles = compiled_.contact->particles_of(part);
     out.touched.insert(out.touched.end(), particles.begin(), particles.end());
@@ -170,7 +174,15 @@ Array<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
   std::set_difference(fallen.parts.begin(), fallen.parts.end(), fallen.met.begin(), fallen.met.end(),
                       std::back_inserter(apart));
   Array<ContactSolver::Made> out = contact.make_anew(apart, fallen.part_edits);
-  if (fallen.met.empty()) return out;
+  if (!fallen.meets()) return out;
+  NamedPart joints = fallen.joints.with_particles(breaks_.scene_now().particles);
+  for (std::size_t k = 0; k < joints.names.particles.size(); ++k) {
+    const std::uint32_t particle = joints.names.particles[k];
+    const bool is_fixed = joints.scene.particles[k].fixed = anchors_.is_fixed(particle);
+    if (!is_fixed) continue;
+    joints.scene.particles[k].position = anchors_.position(particle);
+    joints.scene.particles[k].velocity = anchors_.last_velocity(particle);
+  }
   NamedPart homes, others = fallen.held;
   homes.names.particles = fallen.particles;
   homes.names.rods = fallen.rods;
@@ -182,8 +194,9 @@ Array<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
     scene->joint_drag = joint_drag();
     if (mass_model_of(settings_) == MassModel::lumped) lump_masses(*scene);
   }
-  const Array<ContactSolver::Made> made = contact.make_met(
-      {fallen.met, fallen.part_edits, std::move(homes), std::move(others), breaks_.scene_now()});
+  const Array<ContactSolver::Made> made =
+      contact.make_met({fallen.met, fallen.part_edits, std::move(homes), std::move(others), std::move(joints),
+                        breaks_.scene_now()});
   out.insert(out.end(), made.begin(), made.end());
   return out;
 }
@@ -218,7 +231,7 @@ void Step::go_on_in_contact(const Fallen& fallen, std::span<const ContactSolver:
   for (const std::uint32_t cord : lengths_.moving())
     if (std::find(rods.begin(), rods.end(), cord) != rods.end())
       tell_length(cord, lengths_.length(cord), lengths_.rate(cord));
-  if (fallen.met.empty() && fallen.part_edits.fixed.empty()) return;
+  if (!fallen.meets() && fallen.part_edits.fixed.empty()) return;
   for (const auto& [island, visits] : made)
     if (!compiled_.contact->may_go_home(compiled_.contact->first_slot(island)))
       compiled_.contact->project_edited_velocities(island);

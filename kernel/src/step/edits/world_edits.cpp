@@ -82,52 +82,6 @@ void World::teleport(std::span<const std::uint32_t> particles, std::span<const V
   impl_->step->teleport(particles, positions, velocities);
 }
 
-// --- Joining
-
-namespace {
-
-/// Returns a rod by itself, between its ends where they are now. Their masses do not matter to it.
-Scene rod_alone(const Rod& rod, const World& world, bool a_is_fixed, bool b_is_fixed) {
-  Scene out;
-  out.particles = {{.position = world.position(rod.a), .mass = 1, .fixed = a_is_fixed},
-                   {.position = world.position(rod.b), .mass = 1, .fixed = b_is_fixed}};
-  out.rods = {rod};
-  out.rods[0].a = 0;
-  out.rods[0].b = 1;
-  return out;
-}
-
-}  // namespace
-
-Handle<Rod> World::join(const Rod& rod) {
-  for (const std::uint32_t end : {rod.a, rod.b}) impl_->require_known(end);
-  if (rod.a == rod.b) refuse("a rod to be joined: both ends are particle ", rod.a);
-  if (impl_->fixed[rod.a] != 0 && impl_->fixed[rod.b] != 0)
-    refuse("a rod to be joined: both ends (particles ", rod.a, " and ", rod.b, ") are fixed");
-  if (!impl_->step->has_archive())
-    refuse("springs, multipliers and featherstone join nothing; relax, direct and auto do");
-  if (rod.linear_drag != 0 || rod.orthogonal_drag != 0)
-    refuse("a rod to be joined to particles ", rod.a, " and ", rod.b, ": is slowed by air, which stays out");
-  Scene alone = rod_alone(rod, *this, impl_->fixed[rod.a] != 0, impl_->fixed[rod.b] != 0);
-  validate(alone);
-  detail::require_addressable(particle_count(), std::uint64_t{rod_count()} + 1);
-  Rod known = rod;
-  known.length = alone.rods[0].length = rod_length(alone, 0);
-  const double distance = norm(alone.particles[1].position - alone.particles[0].position);
-  if (detail::misfit(distance, known.length, rod.law) > detail::fits * known.length)
-    refuse("a rod to be joined to particles ", rod.a, " and ", rod.b, ": is ", known.length,
-           " m long, and its ends are ", distance, " m apart");
-  alone.drag = impl_->step->drag();
-  const std::uint32_t number = impl_->step->join(known, alone);
-  impl_->fit_numbers();
-  return handle<Rod>(number);
-}
-Handle<Rod> World::join(Handle<Particle> a, Handle<Particle> b, Rod rod) {
-  rod.a = number(a);
-  rod.b = number(b);
-  return join(rod);
-}
-
 // --- What is added and removed
 
 void World::Impl::fit_numbers() {
@@ -195,12 +149,8 @@ void World::pack() {
 
 namespace {
 
-/// Says how messages call items, by kind.
-constexpr const char* names_of_kinds[] = {"particle",  "rod",   "bend",   "tackle",  "body",    "pin",
-                                          "alignment", "angle", "spring", "torsion", "capsule", "hull"};
-static_assert(std::size(names_of_kinds) == detail::Population::kinds);
 template <class Item>
-constexpr const char* name_of = names_of_kinds[detail::kind_of<Item>()];
+constexpr const char* name_of = detail::names_of_kinds[detail::kind_of<Item>()];
 
 template <class Item>
 const detail::Numbers& numbers_of(const detail::Population& population) {

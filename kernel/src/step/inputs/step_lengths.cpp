@@ -9,7 +9,7 @@ namespace plumb::detail {
 
 void Step::set_length(std::uint32_t cord, double target) {
   if (!is_line(cord) && is_broken(cord)) return;  // it has no length any more
-  if (waits(cord)) refuse("rod ", cord, ": is joined in the next step, and keeps its length until then");
+  if (waits<Rod>(cord)) refuse("rod ", cord, ": is joined in the next step, and keeps its length until then");
   if (is_in_contact(cord)) {
     if (const char* const reason = compiled_.contact->keeps_length(cord))
       refuse("rod ", cord, ": its length cannot change, since ", reason);
@@ -25,8 +25,7 @@ void Step::set_length(std::uint32_t cord, double target) {
   }
   if (edits_.any() && compiled_.contact) {
     const Array<std::uint32_t> ends = meeting(edits_);
-    const auto is_known = [&](std::uint32_t each) { return contact_place(each) != nullptr; };
-    if (std::any_of(ends.begin(), ends.end(), is_known) && meets_as_no_winch(cord, ends))
+    if (meets_in_contact(edits_, ends) && meets_as_no_winch(cord, ends))
       refuse("rod ", cord, ": its length cannot change, since its island has joints or shapes in the next ",
              "step, and it gives, bends or drags");
   }

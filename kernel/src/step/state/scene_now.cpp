@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <vector>
 
 #include "contact/platforms/platforms.hpp"
@@ -92,7 +93,7 @@ class Present {
 
   void copy_rods() {
     for_those(all_.rods, there_.rods, [&](std::uint32_t i, Rod& rod) {
-      if (step_.waits(i) || (out_.particles[rod.a].fixed && out_.particles[rod.b].fixed)) return;
+      if (step_.waits<Rod>(i) || (out_.particles[rod.a].fixed && out_.particles[rod.b].fixed)) return;
       wind(rod, rod_length(all_, i), step_.length(i));
       const bool is_taken = step_.breaks().is_taken(i);
       if (is_taken || (step_.is_broken(i) && !step_.is_ordered(i))) {
@@ -151,11 +152,14 @@ class Present {
   }
 
   void copy_joints() {
-    for_those(all_.pins, there_.pins, [&](std::uint32_t, const Pin& pin) { out_.pins.push_back(pin); });
+    for_those(all_.pins, there_.pins, [&](std::uint32_t i, const Pin& pin) {
+      if (!step_.waits<Pin>(i)) out_.pins.push_back(pin);
+    });
     for_those(all_.alignments, there_.alignments,
               [&](std::uint32_t, const Alignment& each) { out_.alignments.push_back(each); });
     const auto copy = [&](const auto& from, const Numbers& numbers, auto& to) {
       for_those(from, numbers, [&](std::uint32_t i, auto& item) {
+        if (step_.waits<std::remove_cvref_t<decltype(item)>>(i)) return;
         step_.contact().read_law(i, item);
         to.push_back(item);
       });
