@@ -116,6 +116,34 @@ TEST(Frames, TakeParticlesThatGetTheNumbersOfOthers) {
   }
 }
 
+// What is teleported is nowhere on the way. It goes along lines again from then on.
+TEST(Frames, LetWhatIsTeleportedJump) {
+  Scene scene = scenes::load_scene("chain:links=3"), other = scene;
+  for (Particle& particle : other.particles) particle.position += {20, 0, 0};
+  World world(scene);
+  world.add(other);
+  Frames frames;
+  const auto step = [&] {
+    world.step(1.0 / 60);
+    frames.update(world);
+  };
+  step();
+  step();
+  const std::vector<std::uint32_t> particles{4, 5, 6, 7};
+  std::vector<Vec3> to, velocities(4);
+  for (const std::uint32_t particle : particles) to.push_back(world.position(particle) + Vec3{0, 3, 0});
+  world.teleport(particles, to, velocities);
+  step();
+  for (const std::uint32_t particle : particles)
+    EXPECT_EQ(frames.before()[particle], world.position(particle));
+  EXPECT_NE(frames.before()[2], world.position(2)) << "others keep what they had";
+  EXPECT_EQ(frames.moved().back(), (ParticleRange{1, 7}));
+  const std::vector<Vec3> jumped(frames.positions().begin(), frames.positions().end());
+  step();
+  for (const std::uint32_t particle : particles) EXPECT_EQ(frames.before()[particle], jumped[particle]);
+  EXPECT_NE(frames.before()[7], world.position(7));
+}
+
 TEST(Frames, RefuseWhatDoesNotFit) {
   World world(scenes::load_scene("chain:links=3"));
   Frames frames;

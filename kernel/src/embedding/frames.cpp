@@ -15,12 +15,14 @@ void Frames::update(const World& world) {
   world.copy_positions(now_);
   before_.resize(now_.size());
   const std::span<const std::uint32_t> generations = world.impl_->step->population().particles.generations();
-  const auto of = [](std::span<const std::uint32_t> all, std::size_t i) {
-    return i < all.size() ? all[i] : 1;
+  const std::span<const std::uint32_t> teleports = world.impl_->teleports;
+  const auto differ = [](std::span<const std::uint32_t> now, std::span<const std::uint32_t> before,
+                         std::size_t i, std::uint32_t at_first) {
+    const auto of = [&](std::span<const std::uint32_t> all) { return i < all.size() ? all[i] : at_first; };
+    return of(now) != of(before);
   };
-  const bool may_differ = !generations.empty() || !generations_.empty();
   const auto is_other = [&](std::size_t i) {
-    return i >= known || (may_differ && of(generations, i) != of(generations_, i));
+    return i >= known || differ(generations, generations_, i, 1) || differ(teleports, teleports_, i, 0);
   };
   moved_.clear();
   const auto has_moved = [&](std::size_t i) {
@@ -33,6 +35,7 @@ void Frames::update(const World& world) {
     if (end > i) moved_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(end - i)});
   }
   generations_.assign(generations.begin(), generations.end());
+  teleports_.assign(teleports.begin(), teleports.end());
 }
 
 template <class Real>

@@ -38,6 +38,8 @@ struct PLUMB_HIDDEN World::Impl {
   Array<double> chains;            ///< Lengths of the chains of reels, in m.
   detail::BodyPoses bodies;
   Array<Vec3> positions, velocities;  ///< Room to read them for bodies; empty without.
+  /// Says how often each particle was teleported, which Frames compare; empty before the first time.
+  Array<std::uint32_t> teleports;
   bool tensions = false, contacts = false, events = false;
   double time = 0;
   detail::StepLog log;

@@ -42,16 +42,17 @@ struct ParticleRange {
 class PLUMB_API Frames {
  public:
   /// Takes positions as they are now. Those of before are then the ones that it had. Particles that are new,
-  /// by a number that others had or not, were where they are, and so were removed ones. Allocates only if the
-  /// world has more particles than ever before, or numbers that others had for the first time.
+  /// by a number that others had or not, were where they are, and so were removed ones, and those that
+  /// teleport() moved in between: they jump. Allocates only if the world has more particles than ever before,
+  /// or numbers that others had, or a teleport, for the first time.
   void update(const World& world);
 
   /// Returns positions (m) of the last update.
   std::span<const Vec3> positions() const { return now_; }
   /// Returns those of the update before it.
   std::span<const Vec3> before() const { return before_; }
-  /// Lists in ascending order the particles whose positions differ between the two in any bit, and new ones.
-  /// What sleeps is not among them. After the first update these are all.
+  /// Lists in ascending order the particles whose positions differ between the two in any bit, new ones and
+  /// those that jump. What sleeps is not among them. After the first update these are all.
   std::span<const ParticleRange> moved() const { return moved_; }
 
   /// Writes positions (m) at `share` of the way from the update before (0) to the last one (1), at which they
@@ -74,6 +75,7 @@ class PLUMB_API Frames {
 
   std::vector<Vec3> now_, before_;
   std::vector<std::uint32_t> generations_;  ///< Of numbers, as handles have them; empty while all are 1.
+  std::vector<std::uint32_t> teleports_;    ///< Of particles, their counts; empty while all are 0.
   std::vector<ParticleRange> moved_;
 };
 

@@ -80,6 +80,8 @@ void World::teleport(std::span<const std::uint32_t> particles, std::span<const V
   if (!impl_->step->has_archive())
     refuse("teleport: springs, multipliers and featherstone keep their place; relax, direct and auto do not");
   impl_->step->teleport(particles, positions, velocities);
+  impl_->teleports.resize(impl_->fixed.size(), 0);
+  for (const std::uint32_t particle : particles) ++impl_->teleports[particle];
 }
 
 // --- What is added and removed

@@ -44,7 +44,7 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
   auto& [memory, step, fixed, precision, twists, of_kind, platforms, targets, chains, bodies, positions,
-         velocities, tensions, contacts, events, time, log, fingerprint] = of;
+         velocities, teleports, tensions, contacts, events, time, log, fingerprint] = of;
   archive(time, platforms, targets);
 }
 
