@@ -323,6 +323,21 @@ TEST(Adding, TakesForcesAnchorsAndReadingAtOnce) {
   EXPECT_NE(world.position(first.particle + 1).z, 0);
 }
 
+// A scene that says another gravity than the world's means something else. The default says nothing.
+TEST(Adding, RefusesAnotherGravity) {
+  World world(chains(1, 4), {.threads = 1});
+  world.set_gravity({0, 0, 5});
+  Scene ball;
+  ball.particles = {movable({3, 0, 0}, 2)};
+  ball.gravity = {0, -1.6, 0};
+  expect_refusal("gravity: what is added has", [&] { world.add(ball); });
+  EXPECT_EQ(world.particle_count(), 5u);
+  ball.gravity = {0, 0, 5};
+  EXPECT_EQ(world.add(ball).particle, 5u);
+  ball.gravity = gravity;
+  EXPECT_EQ(world.add(ball).particle, 6u);
+}
+
 TEST(Adding, SeesGravityAndLoadsOfTheWorld) {
   World world(chains(1, 4), {.threads = 1});
   world.set_gravity({0, 0, 5});

@@ -228,9 +228,9 @@ class PLUMB_API World {
   /// lowest of removed ones that are free in a row, or new, and depend on nothing but what was added and
   /// removed before. Gravity and ground are those of the world. Four islands and more that came one by one
   /// lie side by side from the next step on, as those of one scene do. Throws InputError if validate()
-  /// refuses the scene, on ground and other drag than the world's, and where the settings cannot move it. So
-  /// it does on shapes, bodies, joints, springs, air on rods and sleepers in a world that began without any
-  /// and without ground.
+  /// refuses the scene, on ground, on other drag than the world's, and where the settings cannot move it. It
+  /// does so on other gravity, unless that is the default of Scene. So it does on shapes, bodies, joints,
+  /// springs, air on rods and sleepers in a world that began without any and without ground.
   Added add(const Scene& scene);
   /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was

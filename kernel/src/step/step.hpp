@@ -133,7 +133,8 @@ class Step : public InMemory {
   /// Lets islands that do not lie well be made anew side by side.
   void pack();
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
-  Vec3 gravity() const { return gravity_; }  ///< m/s^2, of the last step
+  Vec3 gravity() const { return gravity_; }            ///< m/s^2, of the last step
+  Vec3 next_gravity() const { return next_gravity_; }  ///< m/s^2, of the next one
   /// Puts particles elsewhere at once. Throws InputError if rods do not fit then.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);

@@ -111,6 +111,10 @@ void World::reserve(const Scene& like, std::uint32_t times) {
 Added World::add(const Scene& scene) {
   validate(scene);
   require_addable(scene);
+  if (const Vec3 pull = impl_->step->next_gravity();
+      !(scene.gravity == pull) && !(scene.gravity == Scene{}.gravity))
+    refuse("gravity: what is added has ", scene.gravity, " m/s^2, and the world has ", pull,
+           "; the default of Scene says none");
   if (scene.drag != impl_->step->drag())
     refuse("drag: what is added has ", scene.drag, " 1/s, and the world has ", impl_->step->drag());
   if (scene.joint_drag != impl_->step->joint_drag())
