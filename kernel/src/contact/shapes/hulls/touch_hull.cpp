@@ -9,8 +9,10 @@
 namespace plumb::detail {
 namespace {
 
-/// Cosines of no more than this count as none.
-constexpr double no_cosine = 1e-8;
+/// An edge of the hull is kept off one of a mesh if the cosine of none of its faces, along the face, is
+/// farther below 0. A sharp edge of the hull that lies along a ridge is so kept off at both of its ends,
+/// around each of which it would else turn the other one in.
+constexpr double lean = 0.1;
 
 /// Gathers contacts. When there is no more room, they are thinned out.
 class Contacts {
@@ -60,11 +62,26 @@ std::pair<std::uint32_t, double> highest_above(const Convex& hull, Vec3 p) {
   return out;
 }
 
-/// What is inside of the hull is pushed out to the side where the hull's middle is not. Places on its surface
-/// are inside to rounding.
-bool is_sound(const Pair& pair, double distance, Vec3 normal, Vec3 on_mesh) {
-  return distance >= 0 || (dot(normal, pair.middle - on_mesh) > 0 &&
-                           highest_above(pair.hull, on_mesh).second <= -0.1 * distance);
+/// Returns whether a segment comes into the hull, or as near to all its faces as `slack` (m).
+bool comes_into(const Convex& hull, const Segment& line, double slack) {
+  double from = 0, to = 1;
+  for (std::uint32_t i = 0; i < hull.faces(); ++i) {
+    const Vec3 corner = hull.vertices[hull.parts->face(i)[0]];
+    const double at_p = dot(hull.normals[i], line.p - corner) - slack;
+    const double at_q = dot(hull.normals[i], line.q - corner) - slack;
+    if (at_p > 0 && at_q > 0) return false;
+    if (at_p > 0) from = std::max(from, at_p / (at_p - at_q));
+    if (at_q > 0) to = std::min(to, at_p / (at_p - at_q));
+  }
+  return from <= to;
+}
+
+/// What comes into the hull is pushed out to the side where the hull's middle is not. An edge of the mesh may
+/// do so elsewhere than where it is pushed: beside a sharp edge of the hull that place is outside. Places on
+/// the surface are inside to rounding.
+bool is_sound(const Pair& pair, double distance, Vec3 normal, Vec3 on_mesh, const Segment& part) {
+  return distance >= 0 ||
+         (dot(normal, pair.middle - on_mesh) > 0 && comes_into(pair.hull, part, -0.1 * distance));
 }
 
 /// A vertex of the mesh counts where it is nearest to the hull. Inside it counts for the face that it is
@@ -82,7 +99,7 @@ void add_vertex(const Pair& pair, std::uint32_t number, Contacts& out) {
   }
   const MeshPart part{MeshPart::Kind::vertex, number};
   if (!pair.mesh.faces(part, n) || pair.mesh.leads_inside(part, n)) return;
-  if (is_sound(pair, distance, n, vertex))
+  if (is_sound(pair, distance, n, vertex, {vertex, vertex, 0}))
     out.add(distance, n, vertex + distance * n, key_of(Key::vertex, number));
 }
 
@@ -99,7 +116,7 @@ void add_edges(const Pair& pair, std::uint32_t number, std::uint32_t of_hull, Co
   const Vec3 left = cross(hull.normals[own.left], along), right = cross(along, hull.normals[own.right]);
   for (const double sign : {1.0, -1.0}) {
     const Vec3 n = (sign / size) * across;
-    const double least = -no_cosine * norm(along);
+    const double least = -lean * norm(along);
     if (dot(n, left) < least || dot(n, right) < least) continue;
     const MeshPart part{MeshPart::Kind::edge, number};
     if (!pair.mesh.faces(part, n) || pair.mesh.leads_inside(part, n)) continue;
@@ -107,7 +124,7 @@ void add_edges(const Pair& pair, std::uint32_t number, std::uint32_t of_hull, Co
     if (!(near.a > 0 && near.a < 1 && near.b > 0 && near.b < 1)) return;
     const Vec3 at = between(one.p, one.q, near.a), on_mesh = between(other.p, other.q, near.b);
     const double gap = dot(n, at - on_mesh);
-    if (is_sound(pair, gap, n, on_mesh)) out.add(gap, n, at, key_of(Key::edges, of_hull, number));
+    if (is_sound(pair, gap, n, on_mesh, other)) out.add(gap, n, at, key_of(Key::edges, of_hull, number));
     return;
   }
 }
