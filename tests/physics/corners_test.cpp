@@ -118,5 +118,42 @@ TEST(Corners, OfAHoleHoldAPeg) {
   }
 }
 
+// A tip slides over a plane or a landscape at a wall that stands on it. Before, the wall's bottom, which lies
+// in the floor, was the nearest way out: tips of relaxed hulls came 0.2 m deep, and slept there.
+TEST(Corners, UnderAWallOnAFloorKeepHullsOut) {
+  for (const bool is_plane : {true, false})
+    for (const Method method : {Method::automatic, Method::relax})
+      for (const std::uint32_t substeps : {1u, 4u}) {
+        SCOPED_TRACE(testing::Message() << to_string(method) << substeps << (is_plane ? " plane" : " field"));
+        Scene scene;
+        if (is_plane)
+          scene.planes.push_back({.surface = slippery});
+        else
+          scene.height_fields.push_back({.corner = {-4, 0, -4},
+                                         .cell_x = 0.5,
+                                         .cell_z = 0.5,
+                                         .columns = 17,
+                                         .heights = std::vector<double>(289, 0),
+                                         .surface = slippery});
+        add_wall(scene, {0.5, 0, -3}, {2.5, 2, 3});
+        const Vec3 middle{0, 0.07, 0};
+        constexpr double inertia = 5.9e-3;  // to 1 % about every axis
+        const std::uint32_t body = add_body(
+            scene, {.mass = 1, .center = middle, .inertia = {.xx = inertia, .yy = inertia, .zz = inertia}});
+        scene.hulls.push_back({.body = body,
+                               .points = {{0.2, 0, 0}, {-0.1, 0, 0.17}, {-0.1, 0, -0.17}, {0, 0.28, 0}},
+                               .surface = slippery});
+        test::set_motion(scene, body, {2, 0, 0}, {});
+        const Corners corners(scene, body);
+        World world(scene, {.method = method, .substeps = substeps, .threads = 1});
+        const auto depth = [](Vec3 at) { return at.x - 0.5; };
+        for (int i = 0; i < 120; ++i) {
+          world.step(frame);
+          ASSERT_LT(corners.deepest(world, depth), 0.01) << i;  // It comes 33 mm a step.
+        }
+        EXPECT_LT(corners.deepest(world, depth), 1e-3);
+      }
+}
+
 }  // namespace
 }  // namespace plumb::PLUMB_TEST_FILE

@@ -18,6 +18,8 @@ constexpr double aside = 100;
 constexpr double in_front = 0.5;
 /// Faces of two solids that meet at an angle of less than this (rad) go on into each other.
 constexpr double flat_enough = 1e-3;
+/// Directions with a lower cosine than this lead against each other.
+constexpr double opposed = -0.5;
 
 /// A box around a solid box.
 Bounds bounds_of(Vec3 center, Vec3 half, const Frame3& frame) {
@@ -171,10 +173,26 @@ bool Surroundings::is_flat(std::uint32_t shape, Vec3 at, Vec3 along, double clos
   return true;
 }
 
+/// Returns whether a face of a solid, which looks along `normal` from a place on it, leads into the plane or
+/// the landscape that the solid stands on.
+bool Surroundings::leads_down(Vec3 at, Vec3 normal, double close) const {
+  const auto is_under = [&](const Plane& plane) {
+    return !plane.motion.platform && dot(plane.normal, normal) < opposed &&
+           dot(plane.normal, at) - plane.offset <= close;
+  };
+  if (std::any_of(planes.begin(), planes.end(), is_under)) return true;
+  if (!(normal.y < opposed)) return false;
+  const Vec3 before = at + close * normal;
+  bool out = false;
+  tree.find(box_around(before, before), [&](std::uint32_t i) { out = out || shapes[i].is_above(before); });
+  return out;
+}
+
 bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double close) const {
   // What is touched in one place of several solids is the one that is nearest; and a surface is not touched
   // where it leads into or along another one.
   const Vec3 at = near.place - near.distance * near.normal, before = at + close * near.normal;
+  if (leads_down(at, near.normal, close)) return true;
   Bounds around = nowhere;
   include(around, at, 2 * close);
   bool out = false;
@@ -191,7 +209,6 @@ bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double clos
 
 bool Surroundings::leads_out(std::uint32_t shape, const Near& near, double reach, double close) const {
   constexpr int most_solids = 3;  // which meet in a corner of a room
-  constexpr double opposed = -0.5;
   Vec3 way = -near.distance * near.normal, along = near.normal;
   for (int left = 1; left <= most_solids; ++left) {
     const Vec3 at = near.place + way + (2 * close) * along;
@@ -199,7 +216,7 @@ bool Surroundings::leads_out(std::uint32_t shape, const Near& near, double reach
     tree.find(box_around(at, at), [&](std::uint32_t i) {
       if (i != shape && shapes[i].is_convex() && shapes[i].distance(at) < -close) next = std::min(next, i);
     });
-    if (next == GroundShape::none) return norm(way) <= reach;
+    if (next == GroundShape::none) return norm(way) <= reach && !leads_down(at, along, 3 * close);
     shape = GroundShape::none;
     shapes[next].for_exits(at, [&](double distance, Vec3 normal) {
       if (dot(normal, along) < opposed) return false;  // back to where it came from

@@ -57,7 +57,8 @@ struct Surroundings {
   /// Lists the shapes whose bounds overlap a box, ascending.
   void find(const Bounds& bounds, Array<std::uint32_t>& out) const;
   /// Returns whether what seems to touch a convex shape touches another one instead, which lies against it.
-  /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it.
+  /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it. The bottom of
+  /// what stands on a plane or a landscape is covered by that.
   bool is_covered(std::uint32_t shape, const Near& near, double close) const;
   /// Returns whether what leaves a convex shape where it is near, and then all that it comes into by that, is
   /// out of ground within `reach` (m): in a corner between solids, and not in the middle of a floor of them.
@@ -85,6 +86,7 @@ struct Surroundings {
  private:
   /// Returns whether a place is within `near` (m) of a convex shape, but for one.
   bool is_within(std::uint32_t but, Vec3 place, double near) const;
+  bool leads_down(Vec3 at, Vec3 normal, double close) const;
   bool goes_on(std::uint32_t shape, const GroundShape& other, Vec3 at, Vec3 normal, double close) const;
   /// Calls f(speed, belt, reaches) for all ground that shapes with such filters may touch, until f returns
   /// true. `speed` (m/s) is the fastest motion within `bounds`, and reaches(bounds) says whether it is there.
