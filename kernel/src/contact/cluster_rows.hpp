@@ -48,6 +48,7 @@ struct ClusterRows {
     double own = 0;             ///< its response to itself
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities
+    double from = 0;            ///< p as the sweeps begin, which what yields keeps
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
     std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle and 1 at its upper limit

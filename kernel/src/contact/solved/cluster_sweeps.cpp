@@ -67,10 +67,13 @@ void ClusterStepper::push(const Row& first, double by0, double by1, double by2) 
 }
 
 /// Starts with the pushes of the last substep, the three rows of a contact at once. New contacts start with
-/// nothing.
+/// nothing. What ground that moves presses yields from nothing, as what it was pressed with would throw it.
 void ClusterStepper::push_held() {
+  const bool is_pressed =
+      std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.given != 0; });
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const Row& row = rows_[r];
+    Row& row = rows_[r];
+    row.from = row.held && !is_pressed ? row.p : 0;
     if (row.kind != Kind::normal) {
       push(row, row.p);
       continue;
@@ -172,10 +175,12 @@ double ClusterStepper::roll(std::size_t r, double most) {
 }
 
 /// Returns what a normal or a limit that sees u asks for, where `whole` would end its overlap. One that
-/// yields becomes hardly deeper.
+/// yields goes a part of the way there from what pushed in the last substep, or becomes hardly deeper. So
+/// what carries a weight does not yield to that, substep by substep.
 double ClusterStepper::wanted(const Row& row, double whole, double u) const {
   if (row.gap >= 0 || kept_of_overlaps_ == 1) return whole;
-  return std::max(kept_of_overlaps_ * whole, yielding_deeper * (row.p - row.over * u));
+  const double from = std::min(yielding_keeps * row.from, whole);
+  return std::max(from + kept_of_overlaps_ * (whole - from), yielding_deeper * (row.p - row.over * u));
 }
 
 // A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
