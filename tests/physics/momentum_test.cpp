@@ -10,6 +10,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/bodies.hpp"
+#include "support/boxes.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 
@@ -249,6 +250,30 @@ TEST(Momentum, StaysWhereAllFlyAsOneInEachOther) {
     EXPECT_GT(total.contact_points, 0u) << to_string(method);
     EXPECT_GT(total.guarded_energy, 0u) << to_string(method);
   }
+}
+
+// What a blow has gained is taken from the motion that is not common to both boxes, which keeps angular
+// momentum. What is lost is what a substep's positions and velocities differ by, which is of first order. At
+// one substep it is 5 % of the 0.1 kg m²/s that is 1 kg at 0.36 m/s with a lever of 0.3 m, about.
+TEST(FreeBoxes, KeepAngularMomentumAsTheyCollide) {
+  for (const std::uint32_t substeps : {4u, 16u, 64u})
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+      test::Random random(seed);
+      Scene scene;
+      scene.gravity = {};
+      for (const double side : {-1.0, 1.0}) {
+        const std::uint32_t body =
+            test::add_box(scene, {0.3 * side, side < 0 ? 0.1 : 0.0, side < 0 ? 0.02 : 0.0}, {0.2, 0.15, 0.18},
+                          1, {.friction = 0});
+        const Vec3 spin{test::signed_unit(random), test::signed_unit(random), test::signed_unit(random)};
+        test::set_motion(scene, body, {-0.3 * side, 0.2 * side, 0}, spin);
+      }
+      World world(scene, {.substeps = substeps, .threads = 1});
+      const Vec3 before = test::momentum_of(scene, world).angular;
+      for (int i = 0; i < 120; ++i) world.step(test::frame);
+      EXPECT_LT(norm(test::momentum_of(scene, world).angular - before), 0.01 / substeps)
+          << substeps << ", " << seed;
+    }
 }
 
 }  // namespace

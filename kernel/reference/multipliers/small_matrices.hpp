@@ -64,6 +64,16 @@ inline Sym3 inverse(const Sym3& m) {
           over * (m.xx * m.yy - m.xy * m.xy)};
 }
 
+/// Returns how a rigid thing with this inertia turns with an angular momentum. A straight line does not turn
+/// about itself. What keeps its inertia from being singular, and what rounding makes of the inverse then,
+/// goes out with the second solution.
+inline Vec3 spin_of(const Sym3& inertia, Vec3 momentum) {
+  const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
+  Vec3 out = back * momentum;
+  out += back * (momentum - inertia * out);
+  return out;
+}
+
 /// This is a 3x3 matrix by its columns.
 struct Mat3 {
   Vec3 x{}, y{}, z{};

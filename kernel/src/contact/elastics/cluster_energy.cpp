@@ -6,6 +6,7 @@
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
+#include "reference/multipliers/small_matrices.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -135,6 +136,66 @@ void ClusterStepper::make_room_to_damp(Island& island) {
   for (Array<Vec3>* const each : {&island.bent, &island.lag, &island.rigid}) each->reserve(movable);
   for (Array<double>* const each : {&island.pulls, &island.end_pulls})
     each->reserve(island.state->linkage->constraints() + island.state->laws.size());
+}
+
+namespace {
+
+/// Returns the momentum (kg m/s) of islands that move in this way, and the angular one about `center`.
+std::pair<Vec3, Vec3> momenta(std::span<ClusterIsland> islands, Array<Vec3> ClusterIsland::*motion,
+                              Vec3 center) {
+  Vec3 linear{}, angular{};
+  for (ClusterIsland& island : islands) {
+    island.impulse.resize(island.state->linkage->movable());
+    island.state->linkage->momenta(island.*motion, island.impulse);
+    for (std::size_t k = 0; k < island.impulse.size(); ++k) {
+      linear += island.impulse[k];
+      angular += cross(island.state->x[k] - center, island.impulse[k]);
+    }
+  }
+  return {linear, angular};
+}
+
+}  // namespace
+
+/// Returns whether nothing takes momentum from what is awake: nothing is fixed, sleeps or is pushed by
+/// ground.
+bool ClusterStepper::flies() const {
+  return std::all_of(islands_.begin(), islands_.begin() + count_,
+                     [](const Island& each) {
+                       return each.awake && !each.state->linkage->is_grounded() && each.ground.is_empty();
+                     }) &&
+         std::none_of(rows_.begin(), rows_.end(), [](const Row& row) {
+           return row.kind == Kind::normal && row.ends == 1 && (row.p != 0 || row.q != 0);
+         });
+}
+
+/// Finds what all would do as one rigid thing, with the momentum and the angular momentum of Island::v. Where
+/// something takes momentum that is nothing.
+void ClusterStepper::find_common_motion() {
+  const std::span<Island> all(islands_.data(), count_);
+  const auto move = [&](auto&& motion) {
+    for (Island& each : all) {
+      each.rigid.resize(each.state->linkage->movable());
+      std::transform(each.state->x.begin(), each.state->x.begin() + each.rigid.size(), each.rigid.begin(),
+                     motion);
+    }
+  };
+  move([](Vec3) { return Vec3{}; });
+  if (!flies()) return;
+  double mass = 0;
+  for (const Island& each : all) mass += each.state->linkage->mass();
+  move([](Vec3 x) { return x; });
+  const Vec3 center = (1 / mass) * momenta(all, &Island::rigid, {}).first;
+  const auto [linear, angular] = momenta(all, &Island::v, center);
+  const auto turning = [&](Vec3 axis) {
+    move([&](Vec3 x) { return cross(axis, x - center); });
+    return momenta(all, &Island::rigid, center).second;
+  };
+  const Vec3 x = turning({1, 0, 0}), y = turning({0, 1, 0}), z = turning({0, 0, 1});
+  const Vec3 turns = spin_of({x.x, x.y, x.z, y.y, y.z, z.z}, angular);
+  const Vec3 velocity = (1 / mass) * linear, spin = is_finite(turns) ? turns : Vec3{};
+  if (!is_finite(velocity)) return move([](Vec3) { return Vec3{}; });
+  move([&](Vec3 at) { return velocity + cross(spin, at - center); });
 }
 
 /// Takes energy from the motion that is not a rigid whole's or, if that has less, from all that is kinetic,

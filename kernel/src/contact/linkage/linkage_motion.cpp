@@ -291,16 +291,6 @@ double Linkage::turning(std::span<const Vec3> v, std::span<const double> squares
 struct Linkage::Whole {
   Vec3 center{}, velocity{}, angular{};
   Sym3 inertia{};
-
-  /// How it turns with an angular momentum. A straight line of rods does not turn about itself. What keeps
-  /// its inertia from being singular, and what rounding makes of the inverse then, goes out with the second
-  /// solution.
-  Vec3 turn(Vec3 momentum) const {
-    const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
-    Vec3 out = back * momentum;
-    out += back * (momentum - inertia * out);
-    return out;
-  }
 };
 
 Linkage::Whole Linkage::whole(std::span<const Vec3> x, std::span<const Vec3> v) const {
@@ -329,13 +319,13 @@ Vec3 Linkage::angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v)
 
 void Linkage::turn_to(Vec3 angular, std::span<const Vec3> x, std::span<Vec3> v) const {
   const Whole now = whole(x, v);
-  const Vec3 turn = now.turn(angular - now.angular);
+  const Vec3 turn = spin_of(now.inertia, angular - now.angular);
   for (std::uint32_t i = 0; i < movable_; ++i) v[i] += cross(turn, x[i] - now.center);
 }
 
 double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const {
   const Whole now = whole(x, v);
-  const Vec3 turn = now.turn(now.angular), center = now.center, velocity = now.velocity;
+  const Vec3 turn = spin_of(now.inertia, now.angular), center = now.center, velocity = now.velocity;
   double energy = 0;
   for (std::uint32_t i = 0; i < movable_; ++i) {
     rigid[i] = velocity + cross(turn, x[i] - center);

@@ -199,36 +199,15 @@ void ClusterStepper::scale_loose_motion(double by) {
   }
 }
 
-/// Returns the velocity (m/s) that all would have together, in Island::v. It is zero where something is
-/// fixed, sleeps or is pushed by ground, which takes momentum.
-Vec3 ClusterStepper::common_velocity() {
-  Vec3 momentum{};
-  double mass = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    const Linkage& linkage = *island.state->linkage;
-    if (!island.awake || linkage.is_grounded() || !island.ground.is_empty()) return {};
-    island.impulse.resize(linkage.movable());
-    linkage.momenta(island.v, island.impulse);
-    for (const Vec3 each : island.impulse) momentum += each;
-    mass += linkage.mass();
-  }
-  const bool is_pushed = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
-    return row.kind == Kind::normal && row.ends == 1 && (row.p != 0 || row.q != 0);
-  });
-  return is_pushed ? Vec3{} : (1 / mass) * momentum;
-}
-
 /// Takes energy (J) from all motion, which has `moving`, but for what is common to all: what flies keeps its
-/// momentum, even where pushing it apart has stretched more than that.
+/// momentum and angular momentum. If pushing it apart has stretched more than the rest has, that stops, and
+/// what is left of the excess stays.
 void ClusterStepper::slow_all(double excess, double moving) {
-  double mass = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) mass += islands_[i].state->linkage->mass();
-  const Vec3 common = common_velocity();
-  const double rest = moving - 0.5 * mass * dot(common, common);
+  find_common_motion();
+  double rest = moving;
   for (std::uint32_t i = 0; i < count_; ++i)
-    std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), common);
-  scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / rest)));
+    if (islands_[i].awake) rest -= islands_[i].state->linkage->kinetic(islands_[i].rigid);
+  scale_loose_motion(rest > excess ? std::sqrt(1 - excess / rest) : 0);
 }
 
 /// Returns the height (m) of an island that is as high as its largest rod at least. What is left of lengths
@@ -363,7 +342,8 @@ void ClusterStepper::keep_contacts(double h) {
 void ClusterStepper::find_pushed_out(double h) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->is_pushed_out = false;
   const double enough = -std::min(1.0, h * recovery_rate_) * std::max(settings_.slop, settings_.tolerance);
-  const auto opens = [](double gap, double by) { return by > -0.5 * gap; };
+  const double opening = -0.5 * kept_of_overlaps_;  // What yields opens by a share.
+  const auto opens = [opening](double gap, double by) { return by > opening * gap; };
   for (const Row& row : rows_) {
     if (row.kind != Kind::normal || row.p <= 0 || row.gap >= enough || !opens(row.gap, opened(row))) continue;
     for (std::uint32_t k = 0; k < row.ends; ++k) islands_[row.island[k]].state->is_pushed_out = true;

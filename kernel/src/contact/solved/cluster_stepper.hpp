@@ -306,7 +306,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const, elastic_energy() const, weight() const, kinetic() const;  // J
   std::pair<double, double> kinetic_and_potential() const;
-  bool is_passive() const, hardly_moves() const;
+  bool is_passive() const, hardly_moves() const, flies() const;
   void take_back(), stop(), stay();
   /// Energies of what is awake, J.
   struct Energies {
@@ -321,7 +321,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard(double before, const Energies& held, bool touched, bool can_shorten, Tally& report);
   static double height_of(const Island& island);
   double find_rigid_motion();
-  Vec3 common_velocity();
+  void find_common_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h), find_pushed_out(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);

@@ -253,13 +253,13 @@ bool ClusterStepper::try_otherwise(Tally& report) {
   return true;
 }
 
-/// Takes all motion but what is common to all that is awake: what flies keeps its momentum.
+/// Takes all motion but what is common to all that is awake: what flies keeps its momenta.
 void ClusterStepper::stop() {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].v = islands_[i].state->v;
-  const Vec3 flies = common_velocity(), common = is_finite(flies) ? flies : Vec3{};
+  find_common_motion();
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake)
-      std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), common);
+    if (const Island& each = islands_[i]; each.awake)
+      std::copy(each.rigid.begin(), each.rigid.end(), each.state->v.begin());
 }
 
 bool ClusterStepper::is_on_ground() const {
