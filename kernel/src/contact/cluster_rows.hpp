@@ -91,18 +91,19 @@ struct ClusterRows {
   };
   /// Sweeps come in rounds, with a correction after each.
   struct Rounds {
-    int most = 0;            ///< sweeps of the next one, at most
-    double left = INFINITY;  ///< m or rad, the least that any left
-    int idle = 0;            ///< rounds since that was much less than before
-    bool is_over = false;    ///< another would come no closer
+    int most = 0;                ///< sweeps of the next one, at most
+    double left = INFINITY;      ///< m or rad, the least that any left
+    int idle = 0;                ///< rounds since that was much less than before
+    bool is_over = false;        ///< another would come no closer
+    bool is_thrown_off = false;  ///< momentum led away
     /// Takes note of one of `taken` sweeps that changed `last` in the end. Rounds get longer while they come
     /// closer. What contradicts itself does not, however often it is swept, and what came close is left so.
-    void follow(int taken, double last, double tolerance) {
+    void follow(int taken, double last, double enough) {
       idle = last < contact_limits::much_better * left ? 0 : idle + 1;
       const bool comes_closer = idle < contact_limits::most_idle_rounds;
       most =
           comes_closer ? std::min(2 * taken, contact_limits::most_sweeps) : contact_limits::most_sweeps / 4;
-      is_over = !comes_closer && last <= contact_limits::close * tolerance;
+      is_over = !comes_closer && last <= enough;
       left = std::min(left, last);
     }
   };

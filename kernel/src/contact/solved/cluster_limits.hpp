@@ -109,8 +109,8 @@ inline constexpr double rough = 0.3;
 /// of that, which is doubled beyond few_rows where it was not enough but some of the last few rounds came
 /// much closer. Changes rise and fall with momentum, so that one round alone says little.
 inline constexpr int most_sweeps = 60, most_idle_rounds = 3;
-/// If none did, so many times ContactSettings::tolerance is close enough. Walls of bricks that were hit came
-/// no closer in halves of the step either.
+/// If none did, and of a crowd, so many times ContactSettings::tolerance is close enough. Walls of bricks
+/// that were hit came no closer in halves of the step either.
 inline constexpr double close = 10;
 /// What falls together pushes along normals alone first, at most so often.
 inline constexpr int most_cold_sweeps = 120;
@@ -123,6 +123,11 @@ inline constexpr double rough_on_net = 0.1;
 inline constexpr double grows_on_net = 1.5;
 /// So many sweeps have no momentum, since most substeps need no more.
 inline constexpr int sweeps_alone = 10;
+/// Momentum has led away once a sweep changes so many times what one did before in its round. In piles it
+/// makes changes rise to four times. Friction of figures, which push on far ends, threw it to thirty times.
+inline constexpr double thrown_off = 10;
+/// A substep may leave so many times what the last sweep may always change, where it takes corrections.
+inline constexpr double left_by_sweeps = 10;
 /// Where directions are not those of the start, what sweeps change turns pulls, so that corrections wait for
 /// them. After so many, sweeps go on only while they change more than is let be in the end.
 inline constexpr int most_turning_sweeps = 3;

@@ -256,6 +256,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
                                   Tally& report) {
   if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0, blow = 0;  // J; weight: what it takes to lift all by its height
+  double pulls = 0;                                  // N
   bool free = count_ == 1 && !touched, driven = false, is_open = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
@@ -266,6 +267,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
     double pull = state.linkage->mass() * norm(state.linkage->gravity());
     for (const Vec3 force : state.force) pull += norm(force);
     weight += pull * height_of(island);
+    pulls += pull;
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air() && island.theta == 0;
     driven = driven || state.is_driven();
@@ -299,7 +301,9 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
     scale_loose_motion(by);
   } else if (excess > (free ? let_be * moving : 0)) {
     const bool lifts = excess > (driven ? loose : moving) + recovered + unnoticed * weight;
-    if (lifts && can_shorten) return false;
+    // What rests may be lifted by what sweeps leave, if it does not stay where it was.
+    const bool is_left = rests_ && excess <= left_by_sweeps * still_ * pulls && !hardly_moves();
+    if (lifts && can_shorten && !is_left) return false;
     is_stopped_ = is_stopped_ || lifts;
     driven ? scale_loose_motion(by > 0 ? by : 0) : slow_all(excess, moving);
   } else {

@@ -35,21 +35,22 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   if (is_wide_) begin_free<&Row::p>();
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
   const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
-  if (left <= (is_late ? 10 : 1) * still_) return left;
+  if (left <= (is_late ? left_by_sweeps : 1) * still_) return left;
   if (rounds_.is_over) return rounds_.left;
   const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : rounds_.most;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
   if (correction == 0 && !has_nets_ && are_cold(rows_)) {
     friction_waits_ = true;
-    sweep_on<&Row::p>(10 * still_, most_cold_sweeps, sweeps_alone, sweeps);
+    sweep_on<&Row::p>(left_by_sweeps * still_, most_cold_sweeps, sweeps_alone, sweeps);
     friction_waits_ = false;
   }
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
   ++sweeps;
-  const int alone = correction > 0 && is_crowded() ? 1 : sweeps_alone;
+  const bool are_many = rows_.size() > few_touching;
+  const int alone = correction > 0 && are_many && !has_nets_ ? 1 : sweeps_alone;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, alone, sweeps);
-  if (left > till && is_crowded()) rounds_.follow(most, left, settings_.tolerance);
+  if (left > till && are_many) rounds_.follow(most, left, (is_crowded() ? close : 1) * settings_.tolerance);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
@@ -163,7 +164,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;
     const bool is_finished = now.to_do <= 1 || now.to_do > 0.5 * last_to_do;
     if (now.violation <= exact && is_finished && !now.lacks &&
-        (left <= 10 * still_ || rounds_.is_over ||
+        (left <= left_by_sweeps * still_ || rounds_.is_over ||
          (correction + 1 >= most / 2 && !is_patient && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;

@@ -112,8 +112,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
-  void find_ground_now(std::uint32_t i);
-  void find_walls(std::uint32_t i);
+  void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i);
   bool find_depths(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
@@ -245,7 +244,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double slide(const Row& row);
   bool is_held_in_ground(const Row& row);
   bool is_driven_in(const Row& row);
-  void push(const Row&row, double by), push(const Row&first, double by0, double by1, double by2);
+  void push(const Row& row, double by);
+  void push(const Row& first, double by0, double by1, double by2);
   void push_held();
   double wanted(const Row& row, double whole, double u) const;
   /// Whether a sweep pushes or only says how far it would.

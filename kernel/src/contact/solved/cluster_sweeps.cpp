@@ -319,13 +319,15 @@ void ClusterStepper::go_on(double share) {
 /// Returns the last change.
 ///
 /// Sweeps alone carry a push through a pile in about the square of as many as it has layers. After so many
-/// they have momentum.
+/// they have momentum, unless it led away.
 template <double ClusterStepper::Row::*of>
 double ClusterStepper::sweep_on(double till, int most, int alone, int& sweeps) {
-  double left = INFINITY;
+  double left = INFINITY, least = INFINITY;
   Momentum momentum;
   for (int taken = 0; taken < most && left > till; ++taken, ++sweeps) {
-    has_momentum_ = taken >= alone;
+    if (left > thrown_off * least) rounds_.is_thrown_off = true;
+    least = std::min(least, left);
+    has_momentum_ = taken >= alone && !rounds_.is_thrown_off;
     if (!has_momentum_) {
       left = sweep<of>();
       continue;
