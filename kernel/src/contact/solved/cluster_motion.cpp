@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -210,14 +211,6 @@ void ClusterStepper::slow_all(double excess, double moving) {
   scale_loose_motion(rest > excess ? std::sqrt(1 - excess / rest) : 0);
 }
 
-/// Returns the height (m) of an island that is as high as its largest rod at least. What is left of lengths
-/// adds up along it.
-double ClusterStepper::height_of(const Island& island) {
-  const Vec3 g = island.state->linkage->gravity(), size = island.bounds.high - island.bounds.low;
-  const double high = std::abs(g.x) * size.x + std::abs(g.y) * size.y + std::abs(g.z) * size.z;
-  return std::max(island.state->linkage->size(), high / norm(g));
-}
-
 /// Returns by how much a row has opened in the substep, in m or rad.
 double ClusterStepper::opened(const Row& row) const {
   double out = -row.given;
@@ -247,6 +240,50 @@ double ClusterStepper::work_of_recovery() const {
   return sum;
 }
 
+namespace {
+
+/// Returns the height (m) of an island that is as high as its largest rod at least. What is left of lengths
+/// adds up along it.
+double height_of(const ClusterIsland& island) {
+  const Vec3 g = island.state->linkage->gravity(), size = island.bounds.high - island.bounds.low;
+  const double high = std::abs(g.x) * size.x + std::abs(g.y) * size.y + std::abs(g.z) * size.z;
+  return std::max(island.state->linkage->size(), high / norm(g));
+}
+
+/// What is awake has these energies (J) with its new velocities, and these forces.
+struct Account {
+  double now = 0, moving = 0;
+  double weight = 0;  ///< J, what it takes to lift all by its height
+  double pulls = 0;   ///< N, what it takes to lift all
+  double blow = 0;    ///< J, what anchors that come taut may take
+  bool flies_freely = true, driven = false;
+  bool is_open = false;  ///< Work of what is given is not known well enough.
+};
+
+Account account_of(std::span<const ClusterIsland> islands, bool touched) {
+  Account out;
+  for (const ClusterIsland& island : islands) {
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    const double kinetic = state.linkage->kinetic(island.v);
+    out.moving += kinetic;
+    double pull = state.linkage->mass() * norm(state.linkage->gravity());
+    for (const Vec3 force : state.force) pull += norm(force);
+    out.weight += pull * height_of(island);
+    out.pulls += pull;
+    out.now += kinetic + state.linkage->potential(state.x, state.force);
+    out.flies_freely = out.flies_freely && !state.linkage->has_air() && island.theta == 0;
+    out.driven = out.driven || state.is_driven();
+    if (state.is_driven()) out.blow += state.most_of_blow();
+    // That of what is driven is not beside elastics, and where gradients are not old.
+    if (state.trades_energy() || (out.driven && (touched || island.theta != 0 || state.linkage->has_air())))
+      out.is_open = true;
+  }
+  return out;
+}
+
+}  // namespace
+
 // Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
 // new velocities still apart, in Island::v.
 //
@@ -255,27 +292,9 @@ double ClusterStepper::work_of_recovery() const {
 bool ClusterStepper::guard_energy(double before, double recovered, bool touched, bool can_shorten,
                                   Tally& report) {
   if (keeps_energy()) return true;
-  double now = 0, moving = 0, weight = 0, blow = 0;  // J; weight: what it takes to lift all by its height
-  double pulls = 0;                                  // N
-  bool free = count_ == 1 && !touched, driven = false, is_open = false;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const Island& island = islands_[i];
-    if (!island.awake) continue;
-    const LinkageState& state = *island.state;
-    const double kinetic = state.linkage->kinetic(island.v);
-    moving += kinetic;
-    double pull = state.linkage->mass() * norm(state.linkage->gravity());
-    for (const Vec3 force : state.force) pull += norm(force);
-    weight += pull * height_of(island);
-    pulls += pull;
-    now += kinetic + state.linkage->potential(state.x, state.force);
-    free = free && !state.linkage->has_air() && island.theta == 0;
-    driven = driven || state.is_driven();
-    if (state.is_driven()) blow += state.most_of_blow();
-    // Work of what is given is not known well enough beside elastics, and where gradients are not old.
-    if (state.trades_energy() || (driven && (touched || island.theta != 0 || state.linkage->has_air())))
-      is_open = true;
-  }
+  const auto [now, moving, weight, pulls, blow, flies_freely, driven, is_open] =
+      account_of({islands_.data(), count_}, touched);
+  const bool free = flies_freely && count_ == 1 && !touched;
   if (!std::isfinite(now) && can_shorten) return false;
   for (std::uint32_t i = 0; i < count_; ++i)
     if ((!free || driven) && !islands_[i].state->trades_energy()) islands_[i].state->energy.reset();

@@ -319,7 +319,6 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double driving_energy(const Surroundings& surroundings) const;  // J
   bool guard_driven(double before, const Surroundings& surroundings, bool can_shorten);
   bool guard(double before, const Energies& held, bool touched, bool can_shorten, Tally& report);
-  static double height_of(const Island& island);
   double find_rigid_motion();
   void find_common_motion();
   void scale_loose_motion(double by);
