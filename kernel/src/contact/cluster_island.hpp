@@ -64,6 +64,12 @@ struct ClusterIsland {
   Array<double> last_pulls;
 
   std::span<double> right() { return numbers(unknowns); }
+  /// Returns what weight and constant forces pull with at most, N.
+  double pull() const {
+    double out = state->linkage->mass() * norm(state->linkage->gravity());
+    for (const Vec3 each : state->force) out += norm(each);
+    return out;
+  }
   /// Returns where the directions of the factors of positions are.
   std::span<const Vec3> directions() const { return theta > 0 ? at : state->x; }
   /// Keeps a share of multipliers and adds another of those that a solve has found.

@@ -74,12 +74,8 @@ std::pair<double, double> ClusterStepper::kinetic_and_potential() const {
 /// Returns the energy that lifts all by its size, J.
 double ClusterStepper::weight() const {
   double sum = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const LinkageState& state = *islands_[i].state;
-    double pull = state.linkage->mass() * norm(state.linkage->gravity());
-    for (const Vec3 force : state.force) pull += norm(force);
-    if (islands_[i].awake) sum += pull * state.linkage->size();
-  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) sum += islands_[i].pull() * islands_[i].state->linkage->size();
   return sum;
 }
 
@@ -106,27 +102,6 @@ void ClusterStepper::take_back() {
     std::swap(island.state->x, island.there);
     island.state->factored = false;
   }
-}
-
-/// Returns whether what is awake lies on something fixed and went no farther than sweeps leave of what moves.
-bool ClusterStepper::hardly_moves() const {
-  const double most = still_ / tighter;
-  const bool lies = is_on_ground() || std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
-                      return row.kind == Kind::normal && row.ends == 1 && row.p > 0;
-                    });
-  return lies && std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
-           return !each.awake ||
-                  std::all_of(each.d.begin(), each.d.end(), [&](Vec3 d) { return dot(d, d) <= most * most; });
-         });
-}
-
-/// Leaves what is awake where it was, at rest.
-void ClusterStepper::stay() {
-  take_back();
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake)
-      for (Array<Vec3>* const each : {&islands_[i].d, &islands_[i].v})
-        std::fill(each->begin(), each->end(), Vec3{});
 }
 
 /// Makes room for a substep with gradient new, so that the first one allocates nothing.
@@ -295,11 +270,6 @@ bool ClusterStepper::guard(double before, const Energies& held, bool touched, bo
                            Tally& report) {
   const double recovered = touched ? work_of_recovery() : 0;
   if (!guard_energy(before, recovered, touched, can_shorten && !(rests_ && is_stopped_), report)) {
-    // Of what rests nothing is to move. Halves of the step would bring what the sweeps left into each.
-    if (rests_ && hardly_moves()) {
-      stay();
-      return true;
-    }
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     tries_again_ = touched && !tight_;
     tight_ = true;

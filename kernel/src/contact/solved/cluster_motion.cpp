@@ -267,10 +267,8 @@ Account account_of(std::span<const ClusterIsland> islands, bool touched) {
     const LinkageState& state = *island.state;
     const double kinetic = state.linkage->kinetic(island.v);
     out.moving += kinetic;
-    double pull = state.linkage->mass() * norm(state.linkage->gravity());
-    for (const Vec3 force : state.force) pull += norm(force);
-    out.weight += pull * height_of(island);
-    out.pulls += pull;
+    out.weight += island.pull() * height_of(island);
+    out.pulls += island.pull();
     out.now += kinetic + state.linkage->potential(state.x, state.force);
     out.flies_freely = out.flies_freely && !state.linkage->has_air() && island.theta == 0;
     out.driven = out.driven || state.is_driven();
@@ -312,6 +310,8 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   }
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
+  // What sweeps leave of positions may lift what rests, too.
+  const double unseen = recovered + unnoticed * weight + (rests_ ? left_by_sweeps * still_ * pulls : 0);
   // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken
   // from all.
   const double loose = find_rigid_motion();
@@ -319,10 +319,8 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   if (by >= 0.5 && by * by <= 1.5) {
     scale_loose_motion(by);
   } else if (excess > (free ? let_be * moving : 0)) {
-    const bool lifts = excess > (driven ? loose : moving) + recovered + unnoticed * weight;
-    // What rests may be lifted by what sweeps leave, if it does not stay where it was.
-    const bool is_left = rests_ && excess <= left_by_sweeps * still_ * pulls && !hardly_moves();
-    if (lifts && can_shorten && !is_left) return false;
+    const bool lifts = excess > (driven ? loose : moving) + unseen;
+    if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
     driven ? scale_loose_motion(by > 0 ? by : 0) : slow_all(excess, moving);
   } else {
@@ -330,7 +328,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   }
   // In flight it is given back as often as it is taken. What rests gains shares of next to nothing.
   if (excess > 0 && !free) {
-    const bool is_of_contact = touched && excess > gained * moving + recovered + unnoticed * weight;
+    const bool is_of_contact = touched && excess > gained * moving + unseen;
     ++(is_of_contact ? report.guarded_energy : report.trimmed_energy);
   }
   return true;

@@ -306,8 +306,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard_energy(double before, double recovered, bool touched, bool can_shorten, Tally& report);
   double energy() const, elastic_energy() const, weight() const, kinetic() const;  // J
   std::pair<double, double> kinetic_and_potential() const;
-  bool is_passive() const, hardly_moves() const, flies() const;
-  void take_back(), stop(), stay();
+  bool is_passive() const, flies() const;
+  void take_back(), stop();
   /// Energies of what is awake, J.
   struct Energies {
     double all = 0, moving = 0;  ///< with and without that of weight and constant forces
