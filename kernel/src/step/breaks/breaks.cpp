@@ -179,7 +179,8 @@ std::pair<double, double>& Breaks::mass_at(std::uint32_t particle) {
 
 /// Lets rods and joints join particles. grow() has made room for their numbers.
 void Breaks::join(const Edits& edits) {
-  const auto& [scene, names] = edits.joined;
+  const Scene& scene = edits.joined.scene;
+  const Names& names = edits.joined.names;
   if (lists_any(names))
     for_lists(
         [&](std::size_t kind, auto& all, const auto& list) {

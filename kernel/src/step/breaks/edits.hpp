@@ -55,11 +55,10 @@ struct Edits {
   template <class F>
   void for_joined(F&& f) const {
     for_lists(
-        [&](std::size_t kind, const auto& list) {
-          for (std::size_t k = 0; k < list.size(); ++k) {
-            auto item = list[k];
-            for_particles(item, [&](std::uint32_t each) { f(kind, (*joined.names.all()[kind])[k], each); });
-          }
+        [&](std::size_t kind, auto list) {  // a copy, since for_particles() may change what it visits
+          for (std::size_t k = 0; k < list.size(); ++k)
+            for_particles(list[k],
+                          [&](std::uint32_t each) { f(kind, (*joined.names.all()[kind])[k], each); });
         },
         joined.scene);
   }
