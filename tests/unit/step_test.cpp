@@ -11,6 +11,7 @@
 #include "step/compile/compiled.hpp"
 #include "step/inputs/anchors.hpp"
 #include "step/sleep.hpp"
+#include "step/state/standing.hpp"
 #include "support/executors.hpp"
 #include "support/worlds.hpp"
 #include "threads/workers.hpp"
@@ -124,6 +125,21 @@ TEST(Step, IsThatOfAWorld) {
   EXPECT_EQ(step.state_hash(), world.state_hash());
   EXPECT_EQ(step.position(8), world.position(8));
   EXPECT_EQ(step.velocity(8), world.velocity(8));
+}
+
+// Two ropes that hang from one anchor are two islands, and the anchor is of neither.
+TEST(Step, SaysWhichIslandAParticleIsOf) {
+  Scene scene;
+  scene.particles = {test::fixed({}), test::movable({1, 0, 0}), test::movable({2, 0, 0}),
+                     test::movable({0, 0, 1})};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}, {.a = 0, .b = 3}};
+  const Step step(shared(scene), direct);
+  const Standing anchor = step.standing(0), first = step.standing(1), second = step.standing(3);
+  EXPECT_EQ(anchor.island, Standing{}.island);
+  EXPECT_EQ(first.island, step.standing(2).island);
+  EXPECT_NE(first.island, second.island);
+  EXPECT_NE(second.island, anchor.island);
+  EXPECT_FALSE(first.is_asleep || second.is_asleep);
 }
 
 TEST(AdvancePiece, TakesEqualSubsteps) {
