@@ -111,7 +111,7 @@ inline constexpr double rough = 0.3;
 inline constexpr int most_sweeps = 60, most_idle_rounds = 3;
 /// If none did, and of a crowd, so many times ContactSettings::tolerance is close enough. Walls of bricks
 /// that were hit came no closer in halves of the step either.
-inline constexpr double close = 10;
+inline constexpr double close_enough = 10;
 /// What falls together pushes along normals alone first, at most so often.
 inline constexpr int most_cold_sweeps = 120;
 /// What touches a net is swept so often, and so far, before every correction: one of a net takes as long as

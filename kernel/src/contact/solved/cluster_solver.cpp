@@ -50,7 +50,8 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   const bool are_many = rows_.size() > few_touching;
   const int alone = correction > 0 && are_many && !has_nets_ ? 1 : sweeps_alone;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, alone, sweeps);
-  if (left > till && are_many) rounds_.follow(most, left, (is_crowded() ? close : 1) * settings_.tolerance);
+  if (left > till && are_many)
+    rounds_.follow(most, left, (is_crowded() ? close_enough : 1) * settings_.tolerance);
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake || island.sides.empty()) continue;
