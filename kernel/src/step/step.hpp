@@ -290,10 +290,10 @@ class Step : public InMemory {
   bool joins_by_mass(std::uint32_t rod) const;
   void take_back(Names numbers);
   template <class Item>
-  void require_joinable(const Item& item) const;
-  void require_place_for(const Rod& rod) const;
-  void require_place_for(const Pin& pin) const;
-  void require_place_for(const AngleControl& angle) const;
+  void require_joinable(const Item& item, const Scene& alone) const;
+  void require_place_for(const Rod& rod, const Scene& alone) const;
+  void require_place_for(const Pin& pin, const Scene& alone) const;
+  void require_place_for(const AngleControl& angle, const Scene& alone) const;
   void put_joined(const Edits& edits);
   void set_state(Fallen& fallen, const Split& now) const;
   Log::Group group_of(const Fallen& fallen, const Split& now);

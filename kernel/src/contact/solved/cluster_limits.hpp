@@ -106,9 +106,12 @@ inline constexpr double tighter = 1e-2;
 /// error.
 inline constexpr double rough = 0.3;
 /// A substep sweeps its contacts at most this often before a correction. After one it begins with a quarter
-/// of that, which is doubled beyond few_rows where it was not enough but some of the last few rounds came
+/// of that, which is doubled beyond several_rows where it was not enough but some of the last few rounds came
 /// much closer. Changes rise and fall with momentum, so that one round alone says little.
 inline constexpr int most_sweeps = 60, most_idle_rounds = 3;
+/// Beyond so many rows of contacts rounds get longer, and have momentum from the start after a correction. A
+/// block of twelve on a slope just below its angle of friction crept with that.
+inline constexpr std::size_t several_rows = 24;
 /// If none did, and of a crowd, so many times ContactSettings::tolerance is close enough. Walls of bricks
 /// that were hit came no closer in halves of the step either.
 inline constexpr double close_enough = 10;

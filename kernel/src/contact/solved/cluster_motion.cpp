@@ -255,9 +255,9 @@ struct Account {
   double now = 0, moving = 0;
   double weight = 0;  ///< J, what it takes to lift all by its height
   double pulls = 0;   ///< N, what it takes to lift all
-  double blow = 0;    ///< J, what anchors that come taut may take
+  double blow = 0;    ///< J, see LinkageState::most_of_blow()
   bool flies_freely = true, driven = false;
-  bool is_open = false;  ///< Work of what is given is not known well enough.
+  bool is_open = false;  ///< what is given does work that is not known well enough
 };
 
 Account account_of(std::span<const ClusterIsland> islands, bool touched) {
@@ -265,15 +265,15 @@ Account account_of(std::span<const ClusterIsland> islands, bool touched) {
   for (const ClusterIsland& island : islands) {
     if (!island.awake) continue;
     const LinkageState& state = *island.state;
-    const double kinetic = state.linkage->kinetic(island.v);
+    const double kinetic = state.linkage->kinetic(island.v), pull = island.pull();
     out.moving += kinetic;
-    out.weight += island.pull() * height_of(island);
-    out.pulls += island.pull();
+    out.weight += pull * height_of(island);
+    out.pulls += pull;
     out.now += kinetic + state.linkage->potential(state.x, state.force);
     out.flies_freely = out.flies_freely && !state.linkage->has_air() && island.theta == 0;
     out.driven = out.driven || state.is_driven();
     if (state.is_driven()) out.blow += state.most_of_blow();
-    // That of what is driven is not beside elastics, and where gradients are not old.
+    // Work of what is given is not known well enough beside elastics, and where gradients are not old.
     if (state.trades_energy() || (out.driven && (touched || island.theta != 0 || state.linkage->has_air())))
       out.is_open = true;
   }

@@ -47,7 +47,7 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
   ++sweeps;
-  const bool are_many = rows_.size() > few_touching;
+  const bool are_many = rows_.size() > several_rows;
   const int alone = correction > 0 && are_many && !has_nets_ ? 1 : sweeps_alone;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, alone, sweeps);
   if (left > till && are_many)
@@ -145,6 +145,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
     any_ground = any_ground || !island.ground.is_empty();
   }
   if (is_wide_) begin_free<&Row::p>();
+  if (kept_of_overlaps_ < 1) find_yielding();
   push_held();
   if (is_wide_) end_free<&Row::p>();
   double last = INFINITY, last_to_do = INFINITY, first = 0;

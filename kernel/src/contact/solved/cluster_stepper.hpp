@@ -246,7 +246,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool is_driven_in(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
-  void push_held();
+  void find_yielding(), push_held();
   double wanted(const Row& row, double whole, double u) const;
   /// Whether a sweep pushes or only says how far it would.
   enum class Sweep : std::uint8_t { pushes, looks };

@@ -66,18 +66,22 @@ void ClusterStepper::push(const Row& first, double by0, double by1, double by2) 
   }
 }
 
-/// Starts with the pushes of the last substep, the three rows of a contact at once. New contacts start with
-/// nothing. What yields goes on from a share of what all weigh: pushes that contradict each other would grow,
-/// and throw what is squeezed once it gives way. What ground that moves presses yields from nothing.
-void ClusterStepper::push_held() {
-  const bool is_pressed =
-      std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.given != 0; });
+/// Finds from where rows yield: from a share of what all weigh at most, since pushes that contradict each
+/// other would grow, and throw what is squeezed once it gives way. What ground that moves presses yields from
+/// nothing.
+void ClusterStepper::find_yielding() {
   double most = 0;  // kg m
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) most += yielding_carries * islands_[i].kick * islands_[i].pull();
+  if (std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.given != 0; })) most = 0;
+  for (Row& row : rows_) row.from = row.held ? std::min(row.p, most) : 0;
+}
+
+/// Starts with the pushes of the last substep, the three rows of a contact at once. New contacts start with
+/// nothing.
+void ClusterStepper::push_held() {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    Row& row = rows_[r];
-    row.from = row.held && !is_pressed ? std::min(row.p, most) : 0;
+    const Row& row = rows_[r];
     if (row.kind != Kind::normal) {
       push(row, row.p);
       continue;

@@ -29,7 +29,7 @@ void Step::take_back(Names numbers) {
 }
 
 /// Refuses a rod between ends that have one.
-void Step::require_place_for(const Rod& rod) const {
+void Step::require_place_for(const Rod& rod, const Scene&) const {
   const auto require_other = [&](std::uint32_t number, const Rod& other) {
     if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
       refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
@@ -42,24 +42,19 @@ void Step::require_place_for(const Rod& rod) const {
 }
 
 /// Refuses a pin of places that are apart. What would bring them together is a jump.
-void Step::require_place_for(const Pin& pin) const {
-  const auto place = [&](const Point& point) {
-    Vec3 sum{};
-    for (std::size_t k = 0; k < 4; ++k) sum += point.weights[k] * position(point.particles[k]);
-    return sum;
-  };
+void Step::require_place_for(const Pin& pin, const Scene& alone) const {
   double longest = 0;
   Pin own = pin;
   for_particles(own, [&](std::uint32_t particle) {
     for (const std::uint32_t rod : breaks_.rods_at(particle))
       longest = std::max(longest, lengths_.length(rod));
   });
-  const double apart = norm(place(pin.b) - place(pin.a));
+  const double apart = norm(position_of(alone, alone.pins[0].b) - position_of(alone, alone.pins[0].a));
   if (!(apart <= fits * longest)) refuse("pin 0: its places are ", apart, " m apart");
 }
 
 /// Refuses an angle with a direction that no body has: its length could be another than in the scene.
-void Step::require_place_for(const AngleControl& angle) const {
+void Step::require_place_for(const AngleControl& angle, const Scene&) const {
   for (const Direction& way : {angle.u, angle.v}) {
     const Ids bodies = bodies_at(way.from.particles.front());
     const auto has_it = [&](std::uint32_t body) {
@@ -78,7 +73,7 @@ void Step::require_place_for(const AngleControl& angle) const {
 
 /// Refuses what cannot be joined as things are, or with an island that cannot be made anew.
 template <class Item>
-void Step::require_joinable(const Item& item) const {
+void Step::require_joinable(const Item& item, const Scene& alone) const {
   Edits then = edits_;
   then.joined.add(0, item);
   Item own = item;
@@ -90,13 +85,13 @@ void Step::require_joinable(const Item& item) const {
   });
   for_particles(
       own, [&](std::uint32_t each) { require_simple_meeting("particle " + std::to_string(each), then); });
-  if constexpr (requires { require_place_for(item); }) require_place_for(item);
+  if constexpr (requires { require_place_for(item, alone); }) require_place_for(item, alone);
 }
 
 template <class Item>
 std::uint32_t Step::join(const Item& item, const Scene& alone) {
   breaks_.begin();
-  require_joinable(item);
+  require_joinable(item, alone);
   compile_addition(alone);  // which refuses what the settings cannot move
   Numbers& numbers = *population_.all()[kind_of<Item>()];
   const std::uint32_t number = numbers.find(1);
