@@ -10,6 +10,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/bodies.hpp"
+#include "support/boxes.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
@@ -23,19 +24,10 @@ void add_wall(Scene& scene, Vec3 low, Vec3 high) {
   scene.boxes.push_back({.center = 0.5 * (low + high), .half_size = 0.5 * (high - low), .surface = slippery});
 }
 
-/// Adds a regular tetrahedron, turned at random, whose corners are 0.13 sqrt(3) m from its middle.
+/// Adds a slippery tetrahedron. Returns its body.
 std::uint32_t add_tetrahedron(Scene& scene, Vec3 middle, std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const auto any = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
-  const auto unit = [](Vec3 v) { return (1 / norm(v)) * v; };
-  const Vec3 u = unit(any()), v = unit(cross(u, any())), w = cross(u, v);
-  constexpr double size = 0.13, inertia = 0.4 * size * size;  // of 1 kg
-  const std::uint32_t body = add_body(
-      scene, {.mass = 1, .center = middle, .inertia = {.xx = inertia, .yy = inertia, .zz = inertia}});
-  Hull hull{.body = body, .surface = slippery};
-  for (const Vec3 at : {Vec3{1, 1, 1}, Vec3{1, -1, -1}, Vec3{-1, 1, -1}, Vec3{-1, -1, 1}})
-    hull.points.push_back(middle + size * (at.x * u + at.y * v + at.z * w));
-  scene.hulls.push_back(hull);
+  const std::uint32_t body = test::add_tetrahedron(scene, middle, 0.13, random);
+  scene.hulls.back().surface = slippery;
   return body;
 }
 

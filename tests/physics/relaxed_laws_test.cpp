@@ -68,13 +68,7 @@ Settings direct(Gradient gradient) {
   return {.method = Method::direct, .gradient = gradient, .substeps = 4, .threads = 1};
 }
 
-/// Returns the largest distance between particles of two worlds, in m.
-double apart(const World& a, const World& b) {
-  double most = 0;
-  for (std::uint32_t p = 0; p < a.particle_count(); ++p)
-    most = std::max(most, norm(a.position(p) - b.position(p)));
-  return most;
-}
+using test::apart;
 /// Returns how far apart two worlds are after 20 steps, in m.
 double apart(const Scene& first, const Settings& a, const Scene& second, const Settings& b) {
   World one(first, a), other(second, b);

@@ -8,6 +8,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/bodies.hpp"
+#include "support/boxes.hpp"
 #include "support/meshes.hpp"
 
 namespace plumb::PLUMB_TEST_FILE {
@@ -33,23 +34,12 @@ double height_at(double x) {
   return ridge / half_width * std::abs(std::remainder(x, 2 * half_width));
 }
 
-/// Adds a regular tetrahedron with a rounding of `radius` (m), turned and spinning at random, whose corners
-/// are 0.1 sqrt(3) m from its middle.
-std::uint32_t add_tetrahedron(Scene& scene, Vec3 middle, double radius, std::mt19937& random) {
-  std::normal_distribution<double> normal;
+/// Adds a tetrahedron with a rounding of `radius` (m), which spins at random.
+void add_tetrahedron(Scene& scene, Vec3 middle, double radius, std::mt19937& random) {
   std::uniform_real_distribution<double> any_spin(-8, 8);
-  const auto any = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
-  const auto unit = [](Vec3 v) { return (1 / norm(v)) * v; };
-  const Vec3 u = unit(any()), v = unit(cross(u, any())), w = cross(u, v);
-  constexpr double size = 0.1, inertia = 0.4 * size * size;  // of 1 kg
-  const std::uint32_t body = add_body(
-      scene, {.mass = 1, .center = middle, .inertia = {.xx = inertia, .yy = inertia, .zz = inertia}});
-  Hull hull{.body = body, .radius = radius};
-  for (const Vec3 at : {Vec3{1, 1, 1}, Vec3{1, -1, -1}, Vec3{-1, 1, -1}, Vec3{-1, -1, 1}})
-    hull.points.push_back(middle + size * (at.x * u + at.y * v + at.z * w));
-  scene.hulls.push_back(hull);
+  const std::uint32_t body = test::add_tetrahedron(scene, middle, 0.1, random);
+  scene.hulls.back().radius = radius;
   test::set_motion(scene, body, {1, 0, 0}, {any_spin(random), any_spin(random), any_spin(random)});
-  return body;
 }
 
 /// Counts those of 12 tetrahedra whose middle is below the landscape in the end.

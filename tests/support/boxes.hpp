@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,7 +10,7 @@
 #include "support/bodies.hpp"
 #include "support/meshes.hpp"
 
-/// What tests of boxes that stand and fall share.
+/// What tests of boxes and other hulls that stand and fall share.
 namespace plumb::test {
 
 /// Adds a box of half sizes `half` as a body with a hull. Its body.
@@ -18,6 +19,22 @@ inline std::uint32_t add_box(Scene& scene, Vec3 center, Vec3 half, double mass, 
   box.center = center;
   const std::uint32_t body = add_body(scene, box);
   scene.hulls.push_back(box_on_body(body, {.center = center, .half_size = half, .surface = surface}));
+  return body;
+}
+
+/// Adds a regular tetrahedron of 1 kg, turned at random, whose corners are `size` sqrt(3) m from its middle.
+inline std::uint32_t add_tetrahedron(Scene& scene, Vec3 middle, double size, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
+  const auto unit = [](Vec3 v) { return (1 / norm(v)) * v; };
+  const Vec3 u = unit(any()), v = unit(cross(u, any())), w = cross(u, v);
+  const double inertia = 0.4 * size * size;
+  const std::uint32_t body = add_body(
+      scene, {.mass = 1, .center = middle, .inertia = {.xx = inertia, .yy = inertia, .zz = inertia}});
+  Hull hull{.body = body};
+  for (const Vec3 at : {Vec3{1, 1, 1}, Vec3{1, -1, -1}, Vec3{-1, 1, -1}, Vec3{-1, -1, 1}})
+    hull.points.push_back(middle + size * (at.x * u + at.y * v + at.z * w));
+  scene.hulls.push_back(hull);
   return body;
 }
 

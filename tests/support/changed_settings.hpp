@@ -97,12 +97,4 @@ inline Motion motion_of(const World& world) {
   return {positions_of(world), velocities_of(world)};
 }
 
-/// The farthest that two worlds' particles are apart, in m.
-inline double apart(const World& one, const World& other) {
-  double most = 0;
-  for (std::uint32_t i = 0; i < one.particle_count(); ++i)
-    if (one.handle<Particle>(i)) most = std::max(most, norm(one.position(i) - other.position(i)));
-  return most;
-}
-
 }  // namespace plumb::test

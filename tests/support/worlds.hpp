@@ -27,6 +27,14 @@ inline std::vector<Vec3> velocities_of(const World& world) {
   return velocities;
 }
 
+/// The farthest that two worlds' particles are apart, in m.
+inline double apart(const World& one, const World& other) {
+  double most = 0;
+  for (std::uint32_t i = 0; i < one.particle_count(); ++i)
+    if (one.handle<Particle>(i)) most = std::max(most, norm(one.position(i) - other.position(i)));
+  return most;
+}
+
 /// `steps` steps of `dt` seconds; the sum of their reports.
 inline StepReport run(World& world, double dt, int steps) {
   StepReport total;

@@ -89,18 +89,26 @@ TEST(Frames, TakeNewParticles) {
   EXPECT_EQ(frames.before()[6], world.position(6));
 }
 
+/// Returns a scene 20 m aside.
+Scene moved_aside(Scene scene) {
+  for (Particle& particle : scene.particles) particle.position += {20, 0, 0};
+  return scene;
+}
+
+void go_on(World& world, Frames& frames) {
+  world.step(1.0 / 60);
+  frames.update(world);
+}
+
 // A number that another particle had leads from nowhere else to where the new one is.
 TEST(Frames, TakeParticlesThatGetTheNumbersOfOthers) {
-  Scene scene = scenes::load_scene("chain:links=3"), other = scene;
-  for (Particle& particle : other.particles) particle.position += {20, 0, 0};
+  const Scene scene = scenes::load_scene("chain:links=3");
+  Scene other = moved_aside(scene);
   for (const int steps_between : {0, 1, 3}) {
     World world(scene);
     world.add(other);
     Frames frames;
-    const auto step = [&] {
-      world.step(1.0 / 60);
-      frames.update(world);
-    };
+    const auto step = [&] { go_on(world, frames); };
     step();
     world.remove(2);
     for (int i = 0; i < steps_between; ++i) {
@@ -118,15 +126,11 @@ TEST(Frames, TakeParticlesThatGetTheNumbersOfOthers) {
 
 // What is teleported is nowhere on the way. It goes along lines again from then on.
 TEST(Frames, LetWhatIsTeleportedJump) {
-  Scene scene = scenes::load_scene("chain:links=3"), other = scene;
-  for (Particle& particle : other.particles) particle.position += {20, 0, 0};
+  const Scene scene = scenes::load_scene("chain:links=3");
   World world(scene);
-  world.add(other);
+  world.add(moved_aside(scene));
   Frames frames;
-  const auto step = [&] {
-    world.step(1.0 / 60);
-    frames.update(world);
-  };
+  const auto step = [&] { go_on(world, frames); };
   step();
   step();
   const std::vector<std::uint32_t> particles{4, 5, 6, 7};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "support/bodies.hpp"
 #include "support/edited_worlds.hpp"
 #include "support/figures.hpp"
 #include "support/severed.hpp"
@@ -53,15 +54,7 @@ Scene two_bodies() {
 }
 
 Momentum momentum(const World& world) {
-  return measure_momentum(world.scene(), test::positions_of(world), test::velocities_of(world),
-                          MassModel::consistent);
-}
-
-double farthest(const World& one, const World& other) {
-  double most = 0;
-  for (std::uint32_t i = 0; i < one.particle_count(); ++i)
-    most = std::max(most, norm(one.position(i) - other.position(i)));
-  return most;
+  return test::momentum_of(world.scene(), world);
 }
 
 /// Both solve the same equations from the same numbers, to rounding. A relaxed world begins with the blow of
@@ -120,7 +113,7 @@ TEST(JoinedJoints, MoveRopesAsInAFreshWorld) {
     World fresh(scene, settings);
     step(world, 1);
     step(fresh, 1);
-    EXPECT_LE(farthest(world, fresh), tolerance(settings));
+    EXPECT_LE(test::apart(world, fresh), tolerance(settings));
     EXPECT_EQ(world.info().islands, fresh.info().islands);
     const double force = norm(fresh.spring_force(0));
     EXPECT_LE(norm(world.spring_force(0) - fresh.spring_force(0)),
@@ -145,7 +138,7 @@ TEST(JoinedJoints, MoveBodiesAsInAFreshWorld) {
     World fresh(scene, settings);
     step(world, 1);
     step(fresh, 1);
-    EXPECT_LE(farthest(world, fresh), tolerance(settings));
+    EXPECT_LE(test::apart(world, fresh), tolerance(settings));
     EXPECT_NEAR(world.torsion_angle(0), fresh.torsion_angle(0), 10 * tolerance(settings));
     world.set_spring(0, {.a = spring.a, .b = spring.b, .length = 0.3, .stiffness = 1});
     step(world, 10);

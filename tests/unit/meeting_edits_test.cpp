@@ -58,13 +58,6 @@ Scene scene_now(Scene scene, const World& world) {
   return scene;
 }
 
-double error_beside(const World& world, const World& fresh) {
-  double most = 0;
-  for (std::uint32_t i = 0; i < world.particle_count(); ++i)
-    most = std::max(most, norm(world.position(i) - fresh.position(i)));
-  return most;
-}
-
 /// A fresh world does not know the forces of contact in the last substep, from which a step looks for its
 /// own: to 1e-7 m where they are solved, and relaxed to what so few sweeps leave. Measured 9e-8 and 3e-5.
 double tolerance(const Settings& settings) {
@@ -76,7 +69,7 @@ World step_beside(World& world, const Scene& scene, const Settings& settings) {
   World fresh(scene, settings);
   world.step(frame);
   fresh.step(frame);
-  EXPECT_LE(error_beside(world, fresh), tolerance(settings));
+  EXPECT_LE(test::apart(world, fresh), tolerance(settings));
   return fresh;
 }
 

@@ -58,13 +58,6 @@ void step(World& world, int times) {
   for (int i = 0; i < times; ++i) world.step(frame);
 }
 
-double farthest(const World& one, const World& other) {
-  double most = 0;
-  for (std::uint32_t i = 0; i < one.particle_count(); ++i)
-    most = std::max(most, norm(one.position(i) - other.position(i)));
-  return most;
-}
-
 using Block = std::tuple<std::string, std::string, std::uint32_t, std::uint32_t>;
 /// Lists what lies side by side, in an order of its own.
 std::vector<Block> blocks_of(World& world) {
@@ -98,10 +91,10 @@ TEST(Packing, LaysIslandsAsAStartDoes) {
     const bool is_rough = settings.gradient == Gradient::new_ ||
                           (settings.method == Method::relax && settings.gradient == Gradient::old);
     const double most = settings.precision == Precision::single || is_rough ? 2e-5 : 1e-11;
-    EXPECT_LE(farthest(world, other), most);
+    EXPECT_LE(test::apart(world, other), most);
     step(world, 10);
     step(other, 10);
-    EXPECT_LE(farthest(world, other), 100 * most);
+    EXPECT_LE(test::apart(world, other), 100 * most);
   });
 }
 
@@ -129,13 +122,13 @@ TEST(Packing, KeepsWhatWasOrdered) {
     packed.pack();
     step(packed, 1);
     step(other, 1);
-    EXPECT_LE(farthest(packed, other), 1e-9);
+    EXPECT_LE(test::apart(packed, other), 1e-9);
     for (int i = 0; i < 20; ++i)
       for (World* const world : {&packed, &other}) {
         if (method != Method::relax) world->set_length(2 * rods, 0.11 + 0.001 * i);
         world->step(frame);
       }
-    EXPECT_LE(farthest(packed, other), 1e-6);
+    EXPECT_LE(test::apart(packed, other), 1e-6);
     EXPECT_TRUE(packed.has(grabs[0]));
     EXPECT_TRUE(packed.is_broken(4 * rods + 3));
     EXPECT_NEAR(packed.tension(2 * rods), other.tension(2 * rods), 1e-4);
