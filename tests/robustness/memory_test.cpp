@@ -3,18 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
 #include <mutex>
 #include <new>
+#include <random>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
+#include "step/memory/small_blocks.hpp"
 #include "step/memory/world_memory.hpp"
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
@@ -130,6 +134,60 @@ TEST(WorldMemory, ChangesNoBitAndServesEditsSnapshotsAndSettings) {
     EXPECT_THROW(world.set_settings(other), InputError);
   }
   EXPECT_EQ(resource.held(), 0u);
+}
+
+TEST(WorldMemory, GivesSmallBlocksThatLieApart) {
+  CountingResource resource;
+  {
+    detail::WorldMemory memory(&resource);
+    struct Given {
+      std::byte* at;
+      std::size_t bytes, alignment;
+      std::byte mark;
+    };
+    const auto use = [&](std::uint32_t seed) {
+      std::mt19937 random(seed);
+      std::vector<Given> given;
+      for (int i = 0; i < 20'000; ++i) {
+        if (given.size() > 200 || (!given.empty() && random() % 2 == 0)) {
+          std::swap(given[random() % given.size()], given.back());
+          const Given& last = given.back();
+          for (std::size_t k = 0; k < last.bytes; ++k) ASSERT_EQ(last.at[k], last.mark);
+          memory.deallocate(last.at, last.bytes, last.alignment);
+          given.pop_back();
+        } else {
+          const std::size_t bytes = 1 + random() % (random() % 8 == 0 ? 10'000 : 300);
+          const std::size_t alignment = std::size_t{1} << random() % 8;
+          auto* const at = static_cast<std::byte*>(memory.allocate(bytes, alignment));
+          ASSERT_EQ(reinterpret_cast<std::uintptr_t>(at) % alignment, 0u);
+          given.push_back({at, bytes, alignment, static_cast<std::byte>(random())});
+          std::fill_n(at, bytes, given.back().mark);
+        }
+      }
+      for (const Given& each : given) memory.deallocate(each.at, each.bytes, each.alignment);
+    };
+    std::thread other(use, 1);
+    use(2);
+    other.join();
+    EXPECT_EQ(memory.held(), resource.held());
+  }
+  EXPECT_EQ(resource.held(), 0u);
+}
+
+TEST(WorldMemory, UsesSmallBlocksAgain) {
+  CountingResource resource;
+  detail::WorldMemory memory(&resource);
+  const auto take_and_give_back = [&] {
+    std::array<void*, 50> blocks;
+    for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] = memory.allocate(50 * (i + 1), 16);
+    for (std::size_t i = 0; i < blocks.size(); ++i) memory.deallocate(blocks[i], 50 * (i + 1), 16);
+  };
+  take_and_give_back();
+  const std::uint64_t first = resource.allocations();
+  for (int i = 0; i < 100; ++i) take_and_give_back();
+  if (detail::SmallBlocks::most > 0) {  // else a sanitizer watches each
+    EXPECT_EQ(resource.allocations(), first);
+  }
 }
 
 TEST(WorldMemory, RunsOutWithoutLeavingAnything) {

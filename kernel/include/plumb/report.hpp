@@ -182,8 +182,8 @@ struct WorldInfo {
   double projected_position = 0;
   std::uint32_t unprojected_islands = 0;  ///< Islands whose rods do not fit, and share what they lack.
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
-  /// Bytes that arrays of the world hold now. The scene is not among them, nor are lists of a few
-  /// things in trees.
+  /// Bytes that the world has got for its arrays, used or not. The scene is not among them, nor are lists of
+  /// a few things in trees.
   std::size_t memory = 0;
 };
 

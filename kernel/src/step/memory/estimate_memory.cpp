@@ -10,9 +10,9 @@ namespace {
 
 // Bytes as measured with scenes of the generators, and the next round number above.
 
-constexpr double of_world = 16'000;
-constexpr double of_relaxed = 280, of_solved = 550;  ///< a particle or rod of what nothing can touch
-constexpr double of_truss = 1'400;                   ///< that where rods are many more than particles
+constexpr double of_world = 40'000;
+constexpr double of_relaxed = 280, of_solved = 600;  ///< a particle or rod of what nothing can touch
+constexpr double of_truss = 1'700;                   ///< that where rods are many more than particles
 constexpr double of_bend = 700;                      ///< of a bend, or a particle of a twist
 /// A particle or rod of islands with shapes, joints, springs or bodies. Nets are factorised whole there,
 /// which takes this times the fourth root of their particles.

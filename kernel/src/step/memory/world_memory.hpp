@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <utility>
@@ -10,34 +12,43 @@
 #include "plumb/embedding/memory.hpp"
 #include "plumb/layouts/memory.hpp"
 #include "scene/refuse.hpp"
+#include "step/memory/small_blocks.hpp"
 #include "step/step.hpp"
 
 namespace plumb::detail {
 
-/// Gets the memory of a world where its settings say, and counts it. Several threads may use it at once.
+/// Gets the memory of a world where its settings say, and counts it. Small blocks stay with it until the
+/// world ends. Several threads may use it at once.
 class WorldMemory final : public Memory {
  public:
   explicit WorldMemory(MemoryResource* from) : from_(from) {}
 
+  ~WorldMemory() {
+    while (large_) {
+      const Large large = *large_;
+      give_back(large_, large.bytes, SmallBlocks::grain);
+      large_ = large.before;
+    }
+  }
+  WorldMemory(const WorldMemory&) = delete;
+  WorldMemory& operator=(const WorldMemory&) = delete;
+
   void* allocate(std::size_t bytes, std::size_t alignment) override {
-    const std::size_t held = held_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
-    try {
-      if (bound_ && held > bound_->held + bound_->most)
-        refuse("the world takes more than most_memory, ", bound_->most, " bytes: about ", bound_->needed,
-               " are needed");
-      return from_ ? from_->allocate(bytes, alignment) : ::operator new (bytes, std::align_val_t{alignment});
-    } catch (...) {
-      held_.fetch_sub(bytes, std::memory_order_relaxed);
-      throw;
+    if (!SmallBlocks::has(bytes, alignment)) return get(bytes, alignment);
+    bytes = SmallBlocks::rounded(bytes);
+    for (;;) {
+      if (void* const found = small_.take(bytes)) return found;
+      add_large();
     }
   }
   void deallocate(void* at, std::size_t bytes, std::size_t alignment) noexcept override {
-    held_.fetch_sub(bytes, std::memory_order_relaxed);
-    if (from_) return from_->deallocate(at, bytes, alignment);
-    ::operator delete (at, std::align_val_t{alignment});
+    if (!SmallBlocks::has(bytes, alignment)) return give_back(at, bytes, alignment);
+    small_.put(at, SmallBlocks::rounded(bytes));
   }
 
-  std::size_t held() const { return held_.load(std::memory_order_relaxed); }  ///< bytes
+  /// Returns how many bytes it has got, those included that are free at the moment.
+  std::size_t held() const { return held_.load(std::memory_order_relaxed); }
+
   /// Refuses more bytes than `most` beside those that it holds, as long as this lives, and says that about
   /// `needed` would be needed.
   class Bound {
@@ -54,7 +65,44 @@ class WorldMemory final : public Memory {
   };
 
  private:
+  void* get(std::size_t bytes, std::size_t alignment) {
+    const std::size_t held = held_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+    try {
+      if (bound_ && held > bound_->held + bound_->most)
+        refuse("the world takes more than most_memory, ", bound_->most, " bytes: about ", bound_->needed,
+               " are needed");
+      return from_ ? from_->allocate(bytes, alignment) : ::operator new (bytes, std::align_val_t{alignment});
+    } catch (...) {
+      held_.fetch_sub(bytes, std::memory_order_relaxed);
+      throw;
+    }
+  }
+  void give_back(void* at, std::size_t bytes, std::size_t alignment) noexcept {
+    held_.fetch_sub(bytes, std::memory_order_relaxed);
+    if (from_) return from_->deallocate(at, bytes, alignment);
+    ::operator delete (at, std::align_val_t{alignment});
+  }
+
+  /// Gets a large block to cut small ones from: a share of what the world has, since little of it may be
+  /// used.
+  void add_large() {
+    const std::size_t bytes =
+        std::clamp(SmallBlocks::rounded(held() / 32), 2 * SmallBlocks::most, 32 * SmallBlocks::most);
+    void* const at = get(bytes, SmallBlocks::grain);
+    const std::lock_guard lock(adding_);
+    large_ = ::new (at) Large{large_, bytes};
+    small_.add(static_cast<std::byte*>(at) + SmallBlocks::grain, bytes - SmallBlocks::grain);
+  }
+
+  struct Large {
+    Large* before;
+    std::size_t bytes;
+  };
+
   MemoryResource* const from_;
+  SmallBlocks small_;
+  std::mutex adding_;
+  Large* large_ = nullptr;  ///< The last that small ones were cut from.
   std::atomic<std::size_t> held_{0};
   struct Bytes {
     std::size_t held, most, needed;
