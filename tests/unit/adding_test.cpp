@@ -429,7 +429,7 @@ TEST(Adding, MayBeEdited) {
     }
     world.teleport(particles, positions, velocities);
     particles.front() = 16;
-    expect_refusal("rod 13: is 0.1 m long", [&] { world.teleport(particles, positions, velocities); });
+    expect_refusal("rod 13: is 0.1", [&] { world.teleport(particles, positions, velocities); });
     EXPECT_LE(norm(world.position(20) - positions[3]), rounding);
     EXPECT_EQ(world.step(frame).unsolved, 0u);
   });

@@ -291,7 +291,7 @@ TEST(Joints, RefuseNonsense) {
   EXPECT_EQ(refusal([&](Scene& s) {
               add_universal(s, 0, 1, {}, x, Vec3{0.75, 0, 0} + y);
             }),
-            "joint of bodies 0 and 1: axes must be at right angles, their cosine is 0.6");
+            "joint of bodies 0 and 1: axes must be at right angles, their cosine is 0.6000000000000001");
 }
 
 }  // namespace

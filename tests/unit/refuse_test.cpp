@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -24,6 +25,13 @@ TEST(Refuse, WritesItsPartsOneAfterTheOther) {
             "rod 7: length 0.25 m");
   EXPECT_EQ(MessagePart(std::uint64_t{1} << 40).text(), "1099511627776");
   EXPECT_EQ(MessagePart(1e-300).text(), "1e-300");
+}
+
+// Gravity of 9.81 m/s² is not the world's if that is the next number.
+TEST(Refuse, WritesNumbersThatDifferDifferently) {
+  EXPECT_EQ(MessagePart(9.81).text(), "9.81");
+  EXPECT_EQ(MessagePart(std::nextafter(9.81, 10)).text(), "9.810000000000002");
+  EXPECT_EQ(MessagePart(Vec3{0, -9.8100001, 1e7}).text(), "(0, -9.8100001, 1e+07)");
 }
 
 TEST(RequirePoints, NamesTheFirstThatIsNotFinite) {

@@ -328,7 +328,7 @@ TEST(SceneChecks, AnglesHaveDirectionsAndLimits) {
             "angle 0, v.to: weights must add up to 1, not 0.9");
   const std::string limits = "angle 0: limits must be within 0 and pi, the lower below the upper, got ";
   EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].upper = 4; }), limits + "0 and 4 rad");
-  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].lower = -1; }), limits + "-1 and 3.14159 rad");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].lower = -1; }), limits + "-1 and 3.141592653589793 rad");
   EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].lower = s.angles[0].upper = 1; }),
             limits + "1 and 1 rad");
   EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].target = nan; }),
@@ -358,7 +358,7 @@ TEST(SceneChecks, ShapesAndGroundHaveSizesAndSurfaces) {
   EXPECT_EQ(refusal_after([](Scene& s) {
               s.planes[0].normal = {1, 1, 0};
             }),
-            "plane 0: normal must be of length 1, not 1.41421");
+            "plane 0: normal must be of length 1, not 1.4142135623730951");
   EXPECT_EQ(refusal_after([](Scene& s) { s.planes[0].offset = infinity; }),
             "plane 0: offset is not finite: inf");
   EXPECT_EQ(refusal_after([](Scene& s) { s.boxes[0].center.x = nan; }), "box 0: center is not finite");
@@ -367,7 +367,7 @@ TEST(SceneChecks, ShapesAndGroundHaveSizesAndSurfaces) {
   EXPECT_EQ(refusal_after([](Scene& s) {
               s.boxes[0].orientation = {1, 0, 0, 1};
             }),
-            "box 0: orientation must be a quaternion of length 1, not 1.41421");
+            "box 0: orientation must be a quaternion of length 1, not 1.4142135623730951");
   EXPECT_EQ(refusal_after([](Scene& s) { s.boxes[0].surface.friction = nan; }),
             "box 0: friction must be finite and not negative, got nan");
 }

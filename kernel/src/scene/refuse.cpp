@@ -14,20 +14,20 @@ std::string written(auto number, Format... format) {
   return std::string(characters, end);
 }
 
-/// Writes a number with six digits, as streams do by default.
-std::string written_briefly(double number) {
-  return written(number, std::chars_format::general, 6);
+/// Writes a number with the fewest digits that tell it from all others: two that differ never read alike.
+std::string written_exactly(double number) {
+  return written(number, std::chars_format::general);
 }
 
 }  // namespace
 
-MessagePart::MessagePart(double number) : text_(written_briefly(number)) {}
+MessagePart::MessagePart(double number) : text_(written_exactly(number)) {}
 
 MessagePart::MessagePart(std::uint64_t number) : text_(written(number)) {}
 
 MessagePart::MessagePart(Vec3 place)
-    : text_('(' + written_briefly(place.x) + ", " + written_briefly(place.y) + ", " +
-            written_briefly(place.z) + ')') {}
+    : text_('(' + written_exactly(place.x) + ", " + written_exactly(place.y) + ", " +
+            written_exactly(place.z) + ')') {}
 
 namespace {
 

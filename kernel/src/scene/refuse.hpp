@@ -10,7 +10,7 @@
 
 namespace plumb::detail {
 
-/// This is a part of a message: text, or a number as a stream would write it in the classic locale. A
+/// This is a part of a message: text, or a number with the fewest digits that tell it from all others. A
 /// program's own locale must not change messages, and streams in every file would cost much to compile.
 class MessagePart {
  public:
