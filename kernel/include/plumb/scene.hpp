@@ -174,7 +174,8 @@ struct Body {
   Inertia inertia{};  ///< About that centre, in kg m², in the axes of space, as the scene stands.
 };
 
-/// This is a ball joint: two places that coincide and need not be at a shared particle.
+/// This is a ball joint: two places that coincide and need not be at a shared particle. One that joins a place
+/// to itself, such as a corner of a body to the particle there, does nothing.
 struct Pin {
   Point a{};  ///< A place on one side.
   Point b{};  ///< The place on the other side.
@@ -340,6 +341,7 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - weights of a point that do not add up to 1;
 /// - a ball joint or an alignment of nothing that moves;
 /// - an angle without directions, or with limits outside [0, pi];
+/// - a ball joint of places that rigid rods keep apart, and limits that an angle they keep is beyond;
 /// - a spring or torsion of nothing that moves, a torsion without directions, or with one along its axis;
 /// - negative stiffness or damping of these, or a force, torque, length or angle that is not finite;
 /// - negative radius, size, friction or resistance, and restitution outside [0, 1];

@@ -13,6 +13,7 @@
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/springs/springs.hpp"
+#include "scene/springs/turn.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -20,6 +21,9 @@ namespace {
 /// Sums that must be one, and lengths that must be one, may be off by this much. A larger value accepts
 /// scenes whose joints start with larger errors.
 constexpr double rounding = 1e-9;
+/// Points are one place if their weights differ by no more than this. The weights of a place on a flat body
+/// are rounded by nearly as much. What rigid rods keep as it is may be off what a joint asks by this share.
+constexpr double same = 1e-6;
 /// Second moments count as nothing below this share of the largest, which rounding may leave of it.
 constexpr double flat = 1e-12;
 
@@ -64,7 +68,29 @@ void require_rigid_rods(const Scene& scene, std::size_t i, const Array<std::uint
                " must be rigid, because the body is flat or thin");
 }
 
-void validate_pin(const Scene& scene, std::size_t i) {
+/// Returns the size (m) of the solid that rigid rods make of all particles of some points, or 0 if they make
+/// none. `rigid` has the ends of these rods. What the points are to each other never changes there.
+double size_of_solid(const Scene& scene, const Array<std::uint64_t>& rigid,
+                     std::initializer_list<Point> points) {
+  std::array<std::uint32_t, 16> particles;
+  std::size_t count = 0;
+  for (const Point& point : points)
+    for (std::size_t k = 0; k < 4; ++k)
+      if (point.weights[k] != 0) particles[count++] = point.particles[k];
+  double size = 0;
+  for (std::size_t j = count; j-- > 1;)  // from the last to the first, which most joints have on two solids
+    for (std::size_t k = 0; k < j; ++k) {
+      const Particle &a = scene.particles[particles[j]], &b = scene.particles[particles[k]];
+      if (&a == &b) continue;
+      if (!(a.fixed && b.fixed) &&
+          !std::binary_search(rigid.begin(), rigid.end(), pair_of(particles[j], particles[k])))
+        return 0;
+      size = std::max(size, norm(b.position - a.position));
+    }
+  return size;
+}
+
+void validate_pin(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {
   const Pin& pin = scene.pins[i];
   const std::string name = "pin " + std::to_string(i);
   validate_point(scene, pin.a, name + ", point a");
@@ -72,6 +98,9 @@ void validate_pin(const Scene& scene, std::size_t i) {
   if (pin.a.particles == pin.b.particles && pin.a.weights == pin.b.weights)
     refuse(name, ": both points are the same");
   if (!moves(scene, pin.a) && !moves(scene, pin.b)) refuse(name, ": all its particles are fixed");
+  const double apart = norm(position_of(scene, pin.b) - position_of(scene, pin.a));
+  if (const double size = size_of_solid(scene, rigid, {pin.a, pin.b}); size > 0 && apart > same * size)
+    refuse(name, ": its places are ", apart, " m apart, and rigid rods keep them so");
 }
 
 void validate_alignment(const Scene& scene, std::size_t i) {
@@ -83,12 +112,17 @@ void validate_alignment(const Scene& scene, std::size_t i) {
   if (!moves(scene, u) && !moves(scene, v)) refuse(name, ": all its particles are fixed");
 }
 
-void validate_angle(const Scene& scene, std::size_t i) {
+void validate_angle(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {
   const AngleControl& angle = scene.angles[i];
   const std::string name = "angle " + std::to_string(i);
   if (validate_direction(scene, angle.u, name + ", u") == 0) refuse(name, ", u: is of length zero");
   if (validate_direction(scene, angle.v, name + ", v") == 0) refuse(name, ", v: is of length zero");
   require_sound(angle, i);
+  const Vec3 u = along(scene, angle.u), v = along(scene, angle.v);
+  const double now = angle_of(dot(u, v), norm(cross(u, v)));
+  if ((now < angle.lower - same || now > angle.upper + same) &&
+      size_of_solid(scene, rigid, {angle.u.from, angle.u.to, angle.v.from, angle.v.to}) > 0)
+    refuse(name, ": is ", now, " rad, beyond its limits, and rigid rods keep it so");
 }
 
 void validate_motion(const Scene& scene, const GroundMotion& motion, const std::string& name) {
@@ -175,7 +209,25 @@ bool moves(const Scene& scene, const Direction& d) {
 double validate_direction(const Scene& scene, const Direction& direction, const std::string& name) {
   validate_point(scene, direction.from, name + ".from");
   validate_point(scene, direction.to, name + ".to");
-  return norm(position_of(scene, direction.to) - position_of(scene, direction.from));
+  return norm(along(scene, direction));
+}
+
+Vec3 along(const Scene& scene, const Direction& direction) {
+  return position_of(scene, direction.to) - position_of(scene, direction.from);
+}
+
+bool are_one_place(const Point& a, const Point& b) {
+  const auto weight = [](const Point& of, std::uint32_t particle) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (of.particles[k] == particle) sum += of.weights[k];
+    return sum;
+  };
+  const auto is_alike = [&](std::uint32_t particle) {
+    return std::abs(weight(a, particle) - weight(b, particle)) <= same;
+  };
+  return std::all_of(a.particles.begin(), a.particles.end(), is_alike) &&
+         std::all_of(b.particles.begin(), b.particles.end(), is_alike);
 }
 
 std::array<Vec3, 4> positions_of(const Scene& scene, const std::array<std::uint32_t, 4>& particles) {
@@ -232,9 +284,12 @@ void validate_bodies(const Scene& scene) {
 }
 
 void validate_joints(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene, i);
+  Array<std::uint64_t> rigid;
+  if (!scene.pins.empty() || !scene.angles.empty())
+    rigid = sorted_pairs(scene.rods, [](const Rod& rod) { return rod.law.is_rigid(); });
+  for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene, i, rigid);
   for (std::size_t i = 0; i < scene.alignments.size(); ++i) validate_alignment(scene, i);
-  for (std::size_t i = 0; i < scene.angles.size(); ++i) validate_angle(scene, i);
+  for (std::size_t i = 0; i < scene.angles.size(); ++i) validate_angle(scene, i, rigid);
 }
 
 void validate_shapes(const Scene& scene) {

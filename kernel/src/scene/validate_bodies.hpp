@@ -32,6 +32,10 @@ void validate_pose(const Pose& pose, std::size_t i);
 void validate_point(const Scene& scene, const Point& point, const std::string& name);
 /// Returns its length, in m.
 double validate_direction(const Scene& scene, const Direction& direction, const std::string& name);
+/// Returns the way from a direction's start to its end, in m.
+Vec3 along(const Scene& scene, const Direction& direction);
+/// Returns whether two points are one place of their particles wherever these are, to within 1e-6.
+bool are_one_place(const Point& a, const Point& b);
 /// Returns whether some particle of it is movable.
 bool moves(const Scene& scene, const Point& point);
 bool moves(const Scene& scene, const Direction& direction);

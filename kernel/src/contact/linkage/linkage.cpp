@@ -9,6 +9,7 @@
 #include "contact/levers/shape_maker.hpp"
 #include "plumb/layouts/coloring.hpp"
 #include "plumb/layouts/shapes.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -150,7 +151,8 @@ void Linkage::add_joints(const Scene& part, std::span<const Vec3> x, std::uint32
     dots_.push_back(dot_row);
   }
   for (const Pin& pin : part.pins) {
-    pins_.push_back({difference(pin.a, pin.b), {row, row + 1, row + 2}, {}});
+    const Combination apart = are_one_place(pin.a, pin.b) ? Combination{} : difference(pin.a, pin.b);
+    pins_.push_back({apart, {row, row + 1, row + 2}, {}});
     row += 3;
   }
 }

@@ -61,7 +61,7 @@ void CrowdJoints<T>::gather(std::span<LinkageState* const> cluster, const Crowd<
     linkage.for_pins([&](const Combination& apart) {
       double moves = 0;
       const TermRange terms = add_terms(apart, moves);
-      balls_.push_back({terms, i, number++, 1 / moves});
+      balls_.push_back({terms, i, number++, moves > 0 ? 1 / moves : 0});
     });
     linkage.for_alignments([&](const Combination& u, const Combination& v, double value) {
       dots_.push_back({add_sums(i, linkage, crowd, std::array{u, v}), i, value});

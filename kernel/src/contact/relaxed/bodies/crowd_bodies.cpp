@@ -27,7 +27,7 @@ Vec3 middle(const std::array<Vec3, 4>& x, const std::array<double, 4>& mass) {
 bool are_held(const LinkageState& state) {
   const Linkage& linkage = *state.linkage;
   bool out = !state.angle_rules.empty();
-  linkage.for_pins([&](const Combination&) { out = true; });
+  linkage.for_pins([&](const Combination& apart) { out = out || apart.count > 0; });
   linkage.for_alignments([&](const Combination&, const Combination&, double) { out = true; });
   return out || linkage.rods() - linkage.giving_rods() > 6 * linkage.bodies().size();
 }
