@@ -294,18 +294,22 @@ void sever(Twins& twins, Random& random) {
   EXPECT_TRUE(twins.one.has(item));
 }
 
-/// Joins particles of both by a spring, or one to a ball that is added where it is.
+/// Joins particles of both by a spring, an alignment or the drive of an angle, or one to a ball that is added
+/// where it is.
 void join_by_joint(Twins& twins, Random& random) {
-  const std::uint32_t particle = below(random, twins.one.particle_count()),
-                      other = below(random, twins.one.particle_count());
+  const auto some = [&] { return below(random, twins.one.particle_count()); };
+  const std::uint32_t particle = some(), other = some(), kind = below(random, 4);
   if (!twins.one.handle<Particle>(particle)) return;
   const auto join_both = [&](const auto& item) {
     const std::string why = test::refusal([&] { twins.one.join(item); });
     EXPECT_EQ(why, test::refusal([&] { twins.two.join(item); }));
   };
-  if (below(random, 2) == 0)
+  if (kind == 0)
     return join_both(Spring{
         .a = point_at(particle), .b = point_at(other), .length = 0.15, .stiffness = 3, .damping = 0.01});
+  const Direction u{point_at(particle), point_at(other)}, v{point_at(some()), point_at(some())};
+  if (kind == 1) return join_both(Alignment{.u = u, .v = v});
+  if (kind == 2) return join_both(AngleControl{.u = u, .v = v, .stiffness = 0.01, .damping = 1e-4});
   Scene ball;
   ball.particles = {{.position = twins.one.position(particle), .velocity = {0, 0.5, 0}, .mass = 0.1}};
   const std::uint32_t added = twins.one.add(ball).particle;
@@ -400,7 +404,11 @@ void try_world(std::uint32_t seed, std::uint64_t& edits, bool severs) {
       may_jump = edit(twins, random) || may_jump;
     if (severs && below(of_joints, 2) == 0) {
       ++edits;
-      below(of_joints, 2) == 0 ? sever<Pin>(twins, of_joints) : sever<Spring>(twins, of_joints);
+      const std::uint32_t kind = below(of_joints, 4);
+      if (kind == 0) sever<Pin>(twins, of_joints);
+      if (kind == 1) sever<Spring>(twins, of_joints);
+      if (kind == 2) sever<Alignment>(twins, of_joints);
+      if (kind == 3) sever<AngleControl>(twins, of_joints);
     }
     if (severs && below(of_joints, 3) == 0) {
       ++edits;

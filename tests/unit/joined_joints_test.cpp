@@ -57,6 +57,23 @@ Momentum momentum(const World& world) {
   return test::momentum_of(world.scene(), world);
 }
 
+/// The bodies from above, which turn against each other.
+Scene bodies_that_turn() {
+  Scene scene = two_bodies();
+  for (std::uint32_t i = 4; i < 8; ++i)
+    scene.particles[i].velocity += cross(Vec3{2, 0, 3}, scene.particles[i].position - Vec3{0, 1.6, 0});
+  return scene;
+}
+
+double product(const World& world, const Alignment& of) {
+  const auto place = [&](const Point& point) {
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k) sum += point.weights[k] * world.position(point.particles[k]);
+    return sum;
+  };
+  return dot(place(of.u.to) - place(of.u.from), place(of.v.to) - place(of.v.from));
+}
+
 /// Both solve the same equations from the same numbers, to rounding. A relaxed world begins with the blow of
 /// 1 m/s still before it, which is taken out where one is joined: 1e-3 m are a hundredth of what it moves.
 double tolerance(const Settings& settings) {
@@ -142,6 +159,63 @@ TEST(JoinedJoints, MoveBodiesAsInAFreshWorld) {
     EXPECT_NEAR(world.torsion_angle(0), fresh.torsion_angle(0), 10 * tolerance(settings));
     world.set_spring(0, {.a = spring.a, .b = spring.b, .length = 0.3, .stiffness = 1});
     step(world, 10);
+    EXPECT_TRUE(world.problems().empty());
+  });
+}
+
+// The product is that of now. It stays so when the island is made anew from what the scene says.
+TEST(JoinedJoints, KeepTheProductOfNow) {
+  const Alignment alignment = test::figure({0, 2, 0}).alignments[0];
+  for_jointed_settings([&](const Settings& settings) {
+    World world(bodies_that_turn(), settings);
+    step(world, 10);
+    Scene scene = world.scene();
+    const double now = product(world, alignment);
+    EXPECT_GT(std::abs(now - product(World(bodies_that_turn(), settings), alignment)), 0.1)
+        << "it has changed";
+    EXPECT_EQ(world.number(world.join(alignment)), 0u);
+    EXPECT_TRUE(world.scene().alignments.empty());
+    scene.alignments.push_back(alignment);
+    World fresh(scene, settings);
+    step(world, 1);
+    step(fresh, 1);
+    EXPECT_LE(test::apart(world, fresh), std::max(tolerance(settings), 1e-11))
+        << "which fits velocities anew";
+    EXPECT_EQ(world.scene().alignments[0].value, now);
+    step(world, 5);
+    world.set_mass(0, 0.1);
+    step(world, 5);
+    EXPECT_NEAR(product(world, alignment), now, settings.method == Method::relax ? 1e-3 : 1e-9);
+    EXPECT_TRUE(world.problems().empty());
+    world.cut(world.handle<Alignment>(0));
+    step(world, 5);
+    EXPECT_TRUE(world.scene().alignments.empty());
+  });
+}
+
+// The ways between ends of two ropes change their lengths, which the angle between them does not feel.
+TEST(JoinedJoints, DriveAnglesBetweenParticles) {
+  const AngleControl angle{.u = {point_at(0), point_at(7)},
+                           .v = {point_at(4), point_at(9)},
+                           .target = 1,
+                           .stiffness = 0.5,
+                           .damping = 0.01};
+  for_jointed_settings([&](const Settings& settings) {
+    World world(two_ropes(), settings);
+    step(world, 10);
+    Scene scene = world.scene();
+    world.join(angle);
+    scene.angles.push_back(angle);
+    World fresh(scene, settings);
+    step(world, 1);
+    step(fresh, 1);
+    EXPECT_LE(test::apart(world, fresh), tolerance(settings));
+    const Momentum before = momentum(world);
+    step(world, 20);
+    EXPECT_LE(norm(momentum(world).linear - before.linear), 1e-12);
+    if (settings.method != Method::relax && settings.gradient != Gradient::new_) {
+      EXPECT_LE(norm(momentum(world).angular - before.angular), 1e-10);
+    }
     EXPECT_TRUE(world.problems().empty());
   });
 }
@@ -294,8 +368,8 @@ TEST(JoinedJoints, RefuseWhatCannotHold) {
   Spring push = spring;
   push.stiffness = -1;
   expect_refusal("spring 0: stiffness", [&] { world.join(push); });
-  expect_refusal("angle 0: to be joined, it needs directions on bodies", [&] {
-    world.join(AngleControl{.u = {point_at(0), point_at(1)}, .v = {point_at(5), point_at(6)}});
+  expect_refusal("alignment 0: its product is 0 m^2, and is to be 0.01 m^2", [&] {
+    world.join(Alignment{{point_at(0), point_at(1)}, {point_at(5), point_at(6)}, 0.01});
   });
   world.join(spring);
   expect_refusal("spring 0: is joined in the next step", [&] { world.set_spring(0, spring); });

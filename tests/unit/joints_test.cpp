@@ -61,7 +61,8 @@ Eigen::VectorXd violation(const Scene& scene) {
     const Vec3 apart = position_of(scene, pin.b) - position_of(scene, pin.a);
     rows.insert(rows.end(), {apart.x, apart.y, apart.z});
   }
-  for (const auto& [u, v] : scene.alignments) rows.push_back(dot(vector_of(scene, u), vector_of(scene, v)));
+  for (const auto& [u, v, value] : scene.alignments)
+    rows.push_back(dot(vector_of(scene, u), vector_of(scene, v)));
   return Eigen::Map<Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size()));
 }
 

@@ -317,6 +317,8 @@ TEST(SceneChecks, AlignmentsAreOfSomethingThatMoves) {
               s.alignments[0].u = s.alignments[0].v = {point_at(0), point_at(8)};
             }),
             "alignment 0: all its particles are fixed");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.alignments[0].value = infinity; }),
+            "alignment 0: value is not finite: inf");
 }
 
 TEST(SceneChecks, AnglesHaveDirectionsAndLimits) {

@@ -174,8 +174,8 @@ struct Body {
   Inertia inertia{};  ///< About that centre, in kg m², in the axes of space, as the scene stands.
 };
 
-/// This is a ball joint: two places that coincide and need not be at a shared particle. One that joins a place
-/// to itself, such as a corner of a body to the particle there, does nothing.
+/// This is a ball joint: two places that coincide and need not be at a shared particle. One that joins a
+/// place to itself, such as a corner of a body to the particle there, does nothing.
 struct Pin {
   Point a{};  ///< A place on one side.
   Point b{};  ///< The place on the other side.
@@ -188,17 +188,18 @@ struct Direction {
   Point to{};    ///< Where it ends.
 };
 
-/// Keeps the dot product of two directions (m²) as it is in the scene, such as a right angle or a place in a
-/// plane. One of the two may have length zero, such as that from a place in the plane to another.
+/// Keeps the dot product of two directions, such as a right angle or a place in a plane. One of the two may
+/// have length zero, such as that from a place in the plane to another.
 struct Alignment {
-  Direction u{};  ///< One direction.
-  Direction v{};  ///< The other.
+  Direction u{};                  ///< One direction.
+  Direction v{};                  ///< The other.
+  std::optional<double> value{};  ///< The product, in m². None: that of the scene as it stands.
 };
 
 /// Says what acts on the angle between two directions: limits, dry friction, and a drive towards a pose.
 ///
 /// The angle is in (0, pi). Right angles are measured best. Near 0 and pi an angle has no derivative and is
-/// measured badly.
+/// measured badly. A direction between two bodies may change its length, which the angle does not feel.
 struct AngleControl {
   Direction u{};                         ///< One direction.
   Direction v{};                         ///< The other.
@@ -339,7 +340,7 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - inertia that no solid has, or that of a line, which spins about itself without inertia;
 /// - a rod between a flat or thin body's particles that is not rigid;
 /// - weights of a point that do not add up to 1;
-/// - a ball joint or an alignment of nothing that moves;
+/// - a ball joint or an alignment of nothing that moves, an alignment's value that is not finite;
 /// - an angle without directions, or with limits outside [0, pi];
 /// - a ball joint of places that rigid rods keep apart, and limits that an angle they keep is beyond;
 /// - a spring or torsion of nothing that moves, a torsion without directions, or with one along its axis;

@@ -180,16 +180,16 @@ class PLUMB_API World {
   /// give numbers anew. Throws InputError on a stale handle, too.
   template <class Item>
   void cut(Handle<Item> item);
-  /// Joins particles, of two islands or of one, by a new Rod, Pin, AngleControl, Spring or Torsion from the
-  /// next step on. They are those of this world, and a rod's length of 0 is their distance now. Nothing jumps
-  /// but velocities along a rigid rod and of a pin's places against each other. Those end as in an inelastic
-  /// blow, which keeps momentum and angular momentum, also where sweeps go on. Its number is the lowest
-  /// that is free, or new; cut() before the next step gives it back.
+  /// Joins particles, of two islands or of one, by a new Rod, Pin, Alignment, AngleControl, Spring or Torsion
+  /// from the next step on. A rod's length of 0 is their distance now, and no value of an alignment that of
+  /// now. Nothing jumps but velocities that a rigid rod, a pin or an alignment forbids. Those end as in an
+  /// inelastic blow, which keeps momentum and angular momentum, also where sweeps go on. Its number is the
+  /// lowest that is free, or new; cut() before the next step gives it back.
   /// Throws InputError as cut() does, on what validate() refuses, whose messages call it number 0, on rods
   /// that air slows, and on ends that are both fixed or joined already. It does so on rods that do not fit
-  /// between their ends, and pins whose places are apart by 10^-6 of the rods at them. So it does on angles
-  /// with directions that no body has, and on what would bring islands with shapes or joints together with
-  /// tackles. All but rods it refuses where add() refuses joints.
+  /// between their ends, and pins whose places are apart by 10^-6 of the rods at them. So it does on
+  /// alignments off their value by 10^-6 of their longer direction squared, and on what would bring islands
+  /// with shapes or joints together with tackles. All but rods it refuses where add() refuses joints.
   template <class Item = Rod>
   Handle<Item> join(const Item& item);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.

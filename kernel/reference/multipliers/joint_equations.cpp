@@ -66,7 +66,7 @@ void JointEquations::add_constraints(const Scene& island) {
   }
   for (const Alignment& each : island.alignments) {
     Constraint& added = constraints_.emplace_back(Constraint{.u = way(each.u), .v = way(each.v)});
-    added.value = dot(added.u.of(x), added.v.of(x));
+    added.value = each.value.value_or(dot(added.u.of(x), added.v.of(x)));
   }
   for (const Pin& each : island.pins)
     for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})

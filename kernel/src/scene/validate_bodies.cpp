@@ -104,12 +104,13 @@ void validate_pin(const Scene& scene, std::size_t i, const Array<std::uint64_t>&
 }
 
 void validate_alignment(const Scene& scene, std::size_t i) {
-  const auto& [u, v] = scene.alignments[i];
+  const auto& [u, v, value] = scene.alignments[i];
   const std::string name = "alignment " + std::to_string(i);
   const double u_length = validate_direction(scene, u, name + ", u");
   const double v_length = validate_direction(scene, v, name + ", v");
   if (u_length == 0 && v_length == 0) refuse(name, ": both directions are of length zero");
   if (!moves(scene, u) && !moves(scene, v)) refuse(name, ": all its particles are fixed");
+  if (value && !std::isfinite(*value)) refuse(name, ": value is not finite: ", *value);
 }
 
 void validate_angle(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {

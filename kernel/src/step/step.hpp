@@ -293,7 +293,7 @@ class Step : public InMemory {
   void require_joinable(const Item& item, const Scene& alone) const;
   void require_place_for(const Rod& rod, const Scene& alone) const;
   void require_place_for(const Pin& pin, const Scene& alone) const;
-  void require_place_for(const AngleControl& angle, const Scene& alone) const;
+  void require_place_for(const Alignment& alignment, const Scene& alone) const;
   void put_joined(const Edits& edits);
   void set_state(Fallen& fallen, const Split& now) const;
   Log::Group group_of(const Fallen& fallen, const Split& now);

@@ -22,7 +22,7 @@
 ///    "bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [x, y, z],
 ///                "inertia": {"xx": 1, "yy": 1, "zz": 1, "xy": 0, "xz": 0, "yz": 0}}, ...],
 ///    "pins": [{"a": point, "b": point}, ...],
-///    "alignments": [{"u": direction, "v": direction}, ...],
+///    "alignments": [{"u": direction, "v": direction, "value": m²}, ...],
 ///    "angles": [{"u": direction, "v": direction, "lower": 0, "upper": 3.14, "friction": 0,
 ///                "target": 1.57, "stiffness": 0, "damping": 0}, ...],
 ///    "springs": [{"a": point, "b": point, "length": m, "stiffness": N/m, "damping": N s/m, "force": N,

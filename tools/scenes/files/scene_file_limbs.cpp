@@ -111,8 +111,10 @@ Pin pin(const json& value, const std::string& path) {
 }
 
 Alignment alignment(const json& value, const std::string& path) {
-  const Object item(value, path, {"u", "v"});
-  return {direction(item, "u"), direction(item, "v")};
+  const Object item(value, path, {"u", "v", "value"});
+  Alignment out{.u = direction(item, "u"), .v = direction(item, "v")};
+  if (item.find("value")) out.value = number(item, "value");
+  return out;
 }
 
 AngleControl angle(const json& value, const std::string& path) {

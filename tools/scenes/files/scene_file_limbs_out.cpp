@@ -48,7 +48,9 @@ Json to_json(const Pin& p) {
 }
 
 Json to_json(const Alignment& a) {
-  return {{"u", to_json(a.u)}, {"v", to_json(a.v)}};
+  Json object{{"u", to_json(a.u)}, {"v", to_json(a.v)}};
+  if (a.value) object["value"] = *a.value;
+  return object;
 }
 
 Json to_json(const AngleControl& a) {

@@ -72,7 +72,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   add_joints(part, x, row);
   constraints_ = row - 3 * movable_;
   find_flat_rods(part);
-  add_angles(part, x);
+  add_angles(part);
   add_elastics(part);
   first_grab_ = elastics_.size();
   targets_ = grabs.size();
@@ -146,8 +146,7 @@ void Linkage::add_joints(const Scene& part, std::span<const Vec3> x, std::uint32
                    .row = row++,
                    .places = {},
                    .touched = {}};
-    const Vec3 u = dot_row.u.of(x), v = dot_row.v.of(x);
-    dot_row.value = dot(u, v);
+    dot_row.value = alignment.value.value_or(dot(dot_row.u.of(x), dot_row.v.of(x)));
     dots_.push_back(dot_row);
   }
   for (const Pin& pin : part.pins) {
@@ -157,10 +156,9 @@ void Linkage::add_joints(const Scene& part, std::span<const Vec3> x, std::uint32
   }
 }
 
-void Linkage::add_angles(const Scene& part, std::span<const Vec3> x) {
+void Linkage::add_angles(const Scene& part) {
   for (const AngleControl& angle : part.angles) {
-    const Combination u = difference(angle.u.to, angle.u.from), v = difference(angle.v.to, angle.v.from);
-    angles_.push_back({u, v, 1 / norm(u.of(x)), 1 / norm(v.of(x))});
+    angles_.push_back({difference(angle.u.to, angle.u.from), difference(angle.v.to, angle.v.from)});
     angle_rules_.push_back({angle.lower, angle.upper, angle.friction});
   }
 }

@@ -76,7 +76,6 @@ class Linkage {
   };
   struct Angle {
     Combination u, v;
-    double over_u, over_v;  ///< 1/m, the directions' lengths
   };
   /// What else acts on an angle changes while a world runs.
   struct AngleRule {
@@ -88,9 +87,9 @@ class Linkage {
     Vec3 along_u, along_v;  ///< 1/m
   };
   static AngleSlope slope(const Angle& angle, std::span<const Vec3> x) {
-    return slope(angle, angle.u.of(x), angle.v.of(x));
+    return slope(angle.u.of(x), angle.v.of(x));
   }
-  static AngleSlope slope(const Angle& angle, Vec3 u, Vec3 v);
+  static AngleSlope slope(Vec3 u, Vec3 v);
 
   /// Says what will move islands of a kind. Those that are relaxed need no matrix.
   enum class Use : std::uint8_t { solved, relaxed };
@@ -341,7 +340,7 @@ class Linkage {
   /// Rods, then alignments and pins take their rows in this order; `row` is the next one.
   void add_rods(const Scene& part, std::uint32_t& row);
   void add_joints(const Scene& part, std::span<const Vec3> x, std::uint32_t& row);
-  void add_angles(const Scene& part, std::span<const Vec3> x);
+  void add_angles(const Scene& part);
   void add_filter(const Filter& filter);
   void add_shapes(const Scene& part, std::span<const Vec3> x);
   void add_hulls(const Scene& part, std::span<const Vec3> x);

@@ -237,12 +237,15 @@ void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
   }
 }
 
-Linkage::AngleSlope Linkage::slope(const Angle& angle, Vec3 along_u, Vec3 along_v) {
-  const Vec3 u = angle.over_u * along_u, v = angle.over_v * along_v;
+/// A direction without length has no angle, and nothing pushes along it.
+Linkage::AngleSlope Linkage::slope(Vec3 along_u, Vec3 along_v) {
+  const auto over = [](double length) { return length > 0 ? 1 / length : 0; };
+  const double over_u = over(norm(along_u)), over_v = over(norm(along_v));
+  const Vec3 u = over_u * along_u, v = over_v * along_v;
   const double cosine = std::clamp(dot(u, v), -1.0, 1.0);
   const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), least_sine);
-  return {detail::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
-          (-over_sine * angle.over_v) * (u - cosine * v)};
+  return {detail::acos(cosine), (-over_sine * over_u) * (v - cosine * u),
+          (-over_sine * over_v) * (u - cosine * v)};
 }
 
 void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,

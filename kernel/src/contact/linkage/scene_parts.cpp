@@ -86,12 +86,12 @@ class Likeness {
     add(part.alignments.size());
     for (const Alignment& each : part.alignments) {
       add(each.u.from, each.u.to, each.v.from, each.v.to);
-      add(dot(span(part, each.u), span(part, each.v)));
+      add(each.value.value_or(dot(span(part, each.u), span(part, each.v))));
     }
     add(part.angles.size());
     for (const AngleControl& each : part.angles)
-      add(each.u.from, each.u.to, each.v.from, each.v.to, norm(span(part, each.u)), norm(span(part, each.v)),
-          each.lower, each.upper, each.friction, each.target, each.stiffness, each.damping);
+      add(each.u.from, each.u.to, each.v.from, each.v.to, each.lower, each.upper, each.friction, each.target,
+          each.stiffness, each.damping);
     add(part.springs.size());
     for (const Spring& each : part.springs)
       add(each.a, each.b, each.length, each.stiffness, each.damping, each.force, each.one_sided);

@@ -151,11 +151,12 @@ void CrowdJoints<T>::add_rows(const Source& source, LinkageState& state, double 
   }
   const Linkage::AngleRule& rule = state.angle_rules[source.control];
   if (rule.lower == 0 && rule.upper == std::numbers::pi && rule.friction == 0) return;
-  const auto [value, along_u, along_v] = Linkage::slope(linkage.angles()[source.control], state.x);
+  const Linkage::Angle& angle = linkage.angles()[source.control];
+  const Vec3 u = angle.u.of(state.x);
+  const auto [value, along_u, along_v] = Linkage::slope(u, angle.v.of(state.x));
   row.along = {along_u, along_v, Vec3{}};
   // Directions that are parallel have no way to part in, and a push along next to none would throw them.
-  const double over_u = linkage.angles()[source.control].over_u;
-  if (dot(along_u, along_u) < 0.25 * over_u * over_u) return;
+  if (dot(along_u, along_u) * dot(u, u) < 0.25) return;
   const double share = h * recovery_rate;
   if (rule.lower > 0) add(recovered(value - rule.lower, 0, share), 1, 0, 0, INFINITY);
   if (rule.upper < std::numbers::pi) add(-recovered(rule.upper - value, 0, share), 1, 0, -INFINITY, 0);

@@ -72,8 +72,8 @@ void visit_members(List& to, Pin& of) {
 }
 template <class List>
 void visit_members(List& to, Alignment& of) {
-  auto& [u, v] = of;
-  to(u, v);
+  auto& [u, v, value] = of;
+  to(u, v, value);
 }
 template <class List>
 void visit_members(List& to, AngleControl& of) {

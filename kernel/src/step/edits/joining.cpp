@@ -1,6 +1,7 @@
 // This file joins what a world has by rods, joints and springs.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "plumb/joints.hpp"
 #include "relax/plan.hpp"
+#include "scene/validate_bodies.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/world_impl.hpp"
 
@@ -53,22 +55,12 @@ void Step::require_place_for(const Pin& pin, const Scene& alone) const {
   if (!(apart <= fits * longest)) refuse("pin 0: its places are ", apart, " m apart");
 }
 
-/// Refuses an angle with a direction that no body has: its length could be another than in the scene.
-void Step::require_place_for(const AngleControl& angle, const Scene&) const {
-  for (const Direction& way : {angle.u, angle.v}) {
-    const Ids bodies = bodies_at(way.from.particles.front());
-    const auto has_it = [&](std::uint32_t body) {
-      const auto& four = breaks_.scene_now().bodies[body].particles;
-      bool has_all = true;
-      Direction own = way;
-      for_particles(own, [&](std::uint32_t particle) {
-        has_all = has_all && std::count(four.begin(), four.end(), particle) > 0;
-      });
-      return has_all;
-    };
-    if (std::none_of(bodies.begin(), bodies.end(), has_it))
-      refuse("angle 0: to be joined, it needs directions on bodies");
-  }
+/// Refuses an alignment of directions that are off it, by a share of the longer one squared.
+void Step::require_place_for(const Alignment& alignment, const Scene& alone) const {
+  const Vec3 u = along(alone, alone.alignments[0].u), v = along(alone, alone.alignments[0].v);
+  const double product = dot(u, v);
+  if (!(std::abs(product - *alignment.value) <= fits * std::max(dot(u, u), dot(v, v))))
+    refuse("alignment 0: its product is ", product, " m^2, and is to be ", *alignment.value, " m^2");
 }
 
 /// Refuses what cannot be joined as things are, or with an island that cannot be made anew.
@@ -153,6 +145,13 @@ void fit_length(Rod& rod, Scene& alone) {
            " m long, and its ends are ", distance, " m apart");
 }
 
+/// Lets an alignment keep the product that it has now, unless it names one.
+void fit_value(Alignment& alignment, Scene& alone) {
+  Alignment& now = alone.alignments[0];
+  if (!now.value) now.value = dot(detail::along(alone, now.u), detail::along(alone, now.v));
+  alignment.value = now.value;
+}
+
 /// Lets slots that nobody reads of a place name a particle that it has.
 void fill_slots(Point& of) {
   std::uint32_t some = 0;
@@ -177,6 +176,7 @@ Handle<Item> World::join(const Item& item) {
   validate(alone);
   detail::require_addressable(particle_count(), std::uint64_t{rod_count()} + 1);
   if constexpr (is_rod) fit_length(own, alone);
+  if constexpr (std::is_same_v<Item, Alignment>) fit_value(own, alone);
   alone.drag = impl_->step->drag();
   const std::uint32_t number = impl_->step->join(own, alone);
   impl_->fit_numbers();
@@ -185,6 +185,7 @@ Handle<Item> World::join(const Item& item) {
 
 template PLUMB_API Handle<Rod> World::join(const Rod&);
 template PLUMB_API Handle<Pin> World::join(const Pin&);
+template PLUMB_API Handle<Alignment> World::join(const Alignment&);
 template PLUMB_API Handle<AngleControl> World::join(const AngleControl&);
 template PLUMB_API Handle<Spring> World::join(const Spring&);
 template PLUMB_API Handle<Torsion> World::join(const Torsion&);

@@ -155,8 +155,9 @@ class Present {
     for_those(all_.pins, there_.pins, [&](std::uint32_t i, const Pin& pin) {
       if (!step_.waits<Pin>(i)) out_.pins.push_back(pin);
     });
-    for_those(all_.alignments, there_.alignments,
-              [&](std::uint32_t, const Alignment& each) { out_.alignments.push_back(each); });
+    for_those(all_.alignments, there_.alignments, [&](std::uint32_t i, const Alignment& each) {
+      if (!step_.waits<Alignment>(i)) out_.alignments.push_back(each);
+    });
     const auto copy = [&](const auto& from, const Numbers& numbers, auto& to) {
       for_those(from, numbers, [&](std::uint32_t i, auto& item) {
         if (step_.waits<std::remove_cvref_t<decltype(item)>>(i)) return;
