@@ -5,6 +5,7 @@
 
 #include "plumb/joints.hpp"
 #include "scene/refuse.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -17,7 +18,8 @@ class Finder {
   Finder(const Scene& island, std::uint32_t particle)
       : island_(island), particle_(particle), ground_(static_cast<std::uint32_t>(island.bodies.size())) {
     find_owners();
-    for (const Pin& pin : island.pins) add_joint(side_of(pin.a), side_of(pin.b), pin.a, pin.b);
+    for (const Pin& pin : island.pins)
+      if (!are_one_place(pin.a, pin.b)) add_joint(side_of(pin.a), side_of(pin.b), pin.a, pin.b);
     for (const Alignment& alignment : island.alignments) add_to_hinge(alignment);
     require_massless_rods();
   }

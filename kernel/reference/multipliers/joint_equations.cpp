@@ -6,6 +6,7 @@
 
 #include "reference/multipliers/small_matrices.hpp"
 #include "scene/flat/flat_bodies.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -68,9 +69,11 @@ void JointEquations::add_constraints(const Scene& island) {
     Constraint& added = constraints_.emplace_back(Constraint{.u = way(each.u), .v = way(each.v)});
     added.value = each.value.value_or(dot(added.u.of(x), added.v.of(x)));
   }
-  for (const Pin& each : island.pins)
+  for (const Pin& each : island.pins) {
+    if (are_one_place(each.a, each.b)) continue;
     for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
       constraints_.push_back({.u = {}, .v = way(each.a, each.b), .axis = axis});
+  }
 }
 
 /// Rods of flat bodies make M regular: with rho Jᵀ c beside f, neither solutions nor multipliers change.

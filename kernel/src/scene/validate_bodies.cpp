@@ -21,9 +21,8 @@ namespace {
 /// Sums that must be one, and lengths that must be one, may be off by this much. A larger value accepts
 /// scenes whose joints start with larger errors.
 constexpr double rounding = 1e-9;
-/// Points are one place if their weights differ by no more than this. The weights of a place on a flat body
-/// are rounded by nearly as much. What rigid rods keep as it is may be off what a joint asks by this share.
-constexpr double same = 1e-6;
+/// What rigid rods keep as it is may be off what a joint asks by this share.
+constexpr double same = same_place;
 /// Second moments count as nothing below this share of the largest, which rounding may leave of it.
 constexpr double flat = 1e-12;
 
@@ -215,20 +214,6 @@ double validate_direction(const Scene& scene, const Direction& direction, const 
 
 Vec3 along(const Scene& scene, const Direction& direction) {
   return position_of(scene, direction.to) - position_of(scene, direction.from);
-}
-
-bool are_one_place(const Point& a, const Point& b) {
-  const auto weight = [](const Point& of, std::uint32_t particle) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (of.particles[k] == particle) sum += of.weights[k];
-    return sum;
-  };
-  const auto is_alike = [&](std::uint32_t particle) {
-    return std::abs(weight(a, particle) - weight(b, particle)) <= same;
-  };
-  return std::all_of(a.particles.begin(), a.particles.end(), is_alike) &&
-         std::all_of(b.particles.begin(), b.particles.end(), is_alike);
 }
 
 std::array<Vec3, 4> positions_of(const Scene& scene, const std::array<std::uint32_t, 4>& particles) {

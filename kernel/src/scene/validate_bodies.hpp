@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -34,8 +36,23 @@ void validate_point(const Scene& scene, const Point& point, const std::string& n
 double validate_direction(const Scene& scene, const Direction& direction, const std::string& name);
 /// Returns the way from a direction's start to its end, in m.
 Vec3 along(const Scene& scene, const Direction& direction);
-/// Returns whether two points are one place of their particles wherever these are, to within 1e-6.
-bool are_one_place(const Point& a, const Point& b);
+/// Points are one place if their weights differ by no more than this. The weights of a place on a flat body
+/// are rounded by nearly as much.
+inline constexpr double same_place = 1e-6;
+/// Returns whether two points are one place of their particles, wherever these are.
+inline bool are_one_place(const Point& a, const Point& b) {
+  const auto weight = [](const Point& of, std::uint32_t particle) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (of.particles[k] == particle) sum += of.weights[k];
+    return sum;
+  };
+  const auto is_alike = [&](std::uint32_t particle) {
+    return std::abs(weight(a, particle) - weight(b, particle)) <= same_place;
+  };
+  return std::all_of(a.particles.begin(), a.particles.end(), is_alike) &&
+         std::all_of(b.particles.begin(), b.particles.end(), is_alike);
+}
 /// Returns whether some particle of it is movable.
 bool moves(const Scene& scene, const Point& point);
 bool moves(const Scene& scene, const Direction& direction);
