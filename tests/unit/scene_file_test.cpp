@@ -87,6 +87,7 @@ Scene bodies_and_joints() {
   scene.twists = {{.particles = {0, 1, 2}, .stiffness = 0.2 / 3, .angle = 10.0 / 7},
                   {.particles = {3, 2, 1, 0}, .stiffness = 2}};
   add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});
+  scene.alignments[1].value = 0.01;
   add_spherical(scene, point_at(1), point_on_rod(scene, 7, 0.3));
   const Direction u{point_at(0), point_at(1)}, v{point_at(4), point_on_rod(scene, 8, 2)};
   scene.angles = {{.u = u, .v = v},
@@ -181,6 +182,7 @@ void expect_same(const Pin& a, const Pin& b) {
 void expect_same(const Alignment& a, const Alignment& b) {
   expect_same(a.u, b.u);
   expect_same(a.v, b.v);
+  EXPECT_EQ(a.value, b.value);
 }
 void expect_same(const AngleControl& a, const AngleControl& b) {
   expect_same(a.u, b.u);
