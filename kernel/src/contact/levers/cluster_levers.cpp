@@ -10,6 +10,14 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
+namespace {
+
+/// A contact is on a face if their normals have more than this cosine. With a smaller one, places on edges
+/// would leave them.
+constexpr double of_face = 1 - 1e-9;
+
+}  // namespace
+
 ClusterStepper::Sum ClusterStepper::add_sum(Island& island, Terms sum) {
   const auto first = static_cast<std::uint32_t>(island.terms.size());
   island.terms.insert(island.terms.end(), sum.begin(), sum.end());
@@ -154,8 +162,25 @@ bool ClusterStepper::turns(const Levers::End& end) const {
   return linkage.shape_of(end.shape).turning != Linkage::Shape::Turning::none;
 }
 
+/// Returns whether a contact is on a hull's face, where `outward` is the contact's normal.
+bool ClusterStepper::is_on_face(const Levers::End& end, Vec3 outward) {
+  const PlacedShape shape = placed(islands_[end.island], end.shape);
+  return std::any_of(shape.hull_at.normals.begin(), shape.hull_at.normals.end(),
+                     [&](Vec3 normal) { return dot(normal, outward) > of_face; });
+}
+
+/// Lets a contact push a hull elsewhere, by that way (m) from where it touched it.
+void ClusterStepper::move_place(const Levers::End& end, Vec3 by) {
+  Island& island = islands_[end.island];
+  const Linkage::HullShape& hull = *placed(island, end.shape).hull;
+  const std::span<const Vec3> x = island.state->x;
+  const Sum sum = add_sum(island, hull.at(hull.of(x), island.of(end.middle, x) + by));
+  for (std::uint32_t axis = 0; axis < 3; ++axis) island.sides[end.normal + axis].a = sum;
+}
+
 /// Lets levers follow to where islands are at the end of the substep. Two shapes are again pushed at one
-/// place: half way between those on both, or at that of the one that does not turn.
+/// place: half way between those on both, or at that of the one that does not turn. What rolls on a hull's
+/// face takes the place along, since a push on where it was would turn it on.
 void ClusterStepper::renew_levers() {
   for (const Levers& contact : levers_) {
     const Levers::End &one = contact.end[0], &two = contact.end[1];
@@ -167,10 +192,13 @@ void ClusterStepper::renew_levers() {
       const Island& island = islands_[end.island];
       return island.of(end.middle, island.state->x) + end.arm;
     };
-    const double share = !turns(one) ? 0 : !turns(two) ? 1 : 0.5;
+    const bool on_one = is_on_face(one, -1.0 * contact.along), on_two = is_on_face(two, contact.along);
+    const double share = on_one ? 1 : on_two || !turns(one) ? 0 : !turns(two) ? 1 : 0.5;
     const Vec3 apart = place(two) - place(one);
     if (turns(one)) renew_lever(contact, one, one.arm + share * apart);
     if (turns(two)) renew_lever(contact, two, two.arm - (1 - share) * apart);
+    if (on_one) move_place(one, apart);
+    if (on_two) move_place(two, -1.0 * apart);
   }
 }
 

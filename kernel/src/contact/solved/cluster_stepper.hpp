@@ -197,9 +197,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static MovingSegment motion_of(const Island& island, const Linkage::Shape& shape);
   static MovingHullShape hull_motion(Island& island, std::uint32_t hull);
   bool passes_ground(const Island& island, const Surroundings& surroundings);
-  bool find_missed();
-  bool find_missed_ground();
-  bool find_missed_pairs();
+  bool find_missed(), find_missed_ground(), find_missed_pairs();
   void find_missed_pairs(std::uint32_t i, std::uint32_t j);
   void touch_missed_pairs(std::uint32_t i, std::uint32_t j, double h);
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
@@ -217,6 +215,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void add_turning_rows(const GroundContact& contact, std::span<const ContactEnd> ends, std::uint32_t normal,
                         double h);
   bool turns(const Levers::End& end) const;
+  bool is_on_face(const Levers::End& end, Vec3 outward);
+  void move_place(const Levers::End& end, Vec3 by);
   void renew_levers();
   void renew_lever(const Levers& contact, const Levers::End& end, Vec3 arm);
   void add_angles(std::uint32_t i, double h);
