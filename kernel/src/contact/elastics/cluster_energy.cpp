@@ -173,6 +173,29 @@ void ClusterStepper::find_common_motion() {
   move([&](Vec3 at) { return velocity + cross(spin, at - center); });
 }
 
+/// Takes energy (J) from islands that are no faster than what sweeps leave of them, as far as they have it.
+/// Only weight counts for that: where it is small, what is faster than it makes things is no tremor.
+void ClusterStepper::slow_trembling(double excess) {
+  const auto for_trembling = [&](auto&& f) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      const Linkage& linkage = *island.state->linkage;
+      const double gained = 0.5 * island.h * norm(linkage.gravity());  // m/s
+      const double most = left_by_sweeps * tighter * settings_.sweep_tolerance * gained;
+      const std::span<Vec3> v = std::span(island.v).first(linkage.movable());
+      if (std::all_of(v.begin(), v.end(), [&](Vec3 each) { return dot(each, each) <= most * most; }))
+        f(linkage, v);
+    }
+  };
+  double trembling = 0;  // J
+  for_trembling([&](const Linkage& linkage, std::span<const Vec3> v) { trembling += linkage.kinetic(v); });
+  const double by = trembling > excess ? std::sqrt(1 - excess / trembling) : 0;
+  for_trembling([&](const Linkage&, std::span<Vec3> v) {
+    for (Vec3& each : v) each = by * each;
+  });
+}
+
 /// Takes energy from the motion that is not a rigid whole's or, if that has less, from all that is kinetic,
 /// J.
 void ClusterStepper::slow_down(double excess, double kinetic) {

@@ -310,14 +310,17 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   }
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
-  // What sweeps leave of positions may lift what rests, too.
-  const double unseen = recovered + unnoticed * weight + (rests_ ? left_by_sweeps * still_ * pulls : 0);
+  // What sweeps leave of positions may lift what rests, too. No motion has that energy.
+  const double lifted = rests_ ? left_by_sweeps * still_ * pulls : 0;
+  const double unseen = recovered + unnoticed * weight + lifted;
   // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken
   // from all.
   const double loose = find_rigid_motion();
   const double by = std::sqrt(1 - excess / loose);
   if (by >= 0.5 && by * by <= 1.5) {
     scale_loose_motion(by);
+  } else if (touched && !driven && excess <= lifted) {
+    slow_trembling(excess);
   } else if (excess > (free ? let_be * moving : 0)) {
     const bool lifts = excess > (driven ? loose : moving) + unseen;
     if (lifts && can_shorten) return false;

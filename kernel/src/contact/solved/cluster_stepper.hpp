@@ -321,7 +321,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard(double before, const Energies& held, bool touched, bool can_shorten, Tally& report);
   double find_rigid_motion();
   void find_common_motion();
-  void scale_loose_motion(double by);
+  void scale_loose_motion(double by), slow_trembling(double excess);
   void keep_contacts(double h), find_pushed_out(double h);
   static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);
   /// Breaks rods that pulled too much in the substep that has ended. Returns how many.
