@@ -147,5 +147,66 @@ TEST(Corners, UnderAWallOnAFloorKeepHullsOut) {
       }
 }
 
+enum class Floor { plane, field, box, mesh };
+
+void add_floor(Scene& scene, Floor kind) {
+  switch (kind) {
+    case Floor::plane:
+      scene.planes.emplace_back();
+      break;
+    case Floor::field:
+      scene.height_fields.push_back(
+          {.corner = {-4, 0, -4}, .columns = 9, .heights = std::vector<double>(81, 0)});
+      break;
+    case Floor::box:
+      scene.boxes.push_back({.center = {0, -0.5, 0}, .half_size = {4, 0.5, 4}});
+      break;
+    case Floor::mesh:
+      scene.meshes.push_back({.vertices = {{-9, 0, -9}, {-9, 0, 9}, {9, 0, 0}, {0, -9, 0}},
+                              .triangles = {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}},
+                              .solid = true});
+  }
+}
+
+/// Adds a flat tetrahedron with a sharp tip, turned about the vertical. Returns its body.
+std::uint32_t add_arrow(Scene& scene, double turn) {
+  const double c = std::cos(turn), s = std::sin(turn);
+  Hull arrow;
+  for (const Vec3 at : {Vec3{0.25, 0, 0}, {-0.1, 0, 0.1}, {-0.1, 0, -0.1}, {-0.1, 0.05, 0}})
+    arrow.points.push_back({c * at.x + s * at.z, at.y, c * at.z - s * at.x});
+  const Vec3 middle{-0.0125 * c, 0.0125, 0.0125 * s};
+  arrow.body =
+      add_body(scene, {.mass = 1, .center = middle, .inertia = {.xx = 2e-3, .yy = 3e-3, .zz = 2e-3}});
+  scene.hulls.push_back(arrow);
+  return arrow.body;
+}
+
+// A sharp hull slides at a wall that stands on a floor, a slop deep in that, and thus below the wall. Before,
+// the wall's bottom hid the wall from it: it slid on under the wall, up to 0.3 m, and slept there.
+TEST(Corners, WallsThatStandOnFloorsKeepSharpHullsOut) {
+  for (const Floor floor : {Floor::plane, Floor::field, Floor::box, Floor::mesh})
+    for (const Method method : {Method::automatic, Method::relax}) {
+      int deep = 0;
+      for (int run = 0; run < 24; ++run) {
+        Scene scene;
+        add_floor(scene, floor);
+        scene.boxes.push_back({.center = {1.5, 0.5, 0}, .half_size = {1, 0.5, 2.5}});
+        const std::uint32_t body = add_arrow(scene, 0.5 * (run % 12));
+        test::set_motion(scene, body, {run < 12 ? 2.0 : 3.5, 0, 0}, {});
+        const Corners corners(scene, body);
+        World world(scene, {.method = method, .threads = 1});
+        const auto depth = [](Vec3 at) { return at.x - 0.5; };
+        double most = 0;
+        for (int i = 0; i < 90; ++i) {
+          world.step(frame);
+          most = std::max(most, corners.deepest(world, depth));
+        }
+        deep += most > 0.01 ? 1 : 0;  // It comes up to 58 mm a step.
+        EXPECT_LT(corners.deepest(world, depth), 1e-3) << "two slops";
+      }
+      EXPECT_EQ(deep, 0) << to_string(method) << " floor " << static_cast<int>(floor);
+    }
+}
+
 }  // namespace
 }  // namespace plumb::PLUMB_TEST_FILE

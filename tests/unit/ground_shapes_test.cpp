@@ -162,7 +162,7 @@ TEST(GroundSearch, HullsMeetSpikesWithTheirFaces) {
   const MovingHullShape moving = hulls.moving(0, {down, down, down, down});
   for (const std::uint32_t ground : {0u, 1u}) {
     int found = 0;
-    for_first_touches(around, ground, moving, close,
+    for_first_touches(around, ground, moving, {0, close},
                       [&](std::uint64_t, const Combination& at, const Touch& plane, double time) {
                         EXPECT_NEAR(time, 0.9 / 3, close);
                         EXPECT_NEAR(plane.gap, 0.9, 2 * close);

@@ -18,6 +18,8 @@ constexpr double aside = 100;
 constexpr double in_front = 0.5;
 /// Faces of two solids that meet at an angle of less than this (rad) go on into each other.
 constexpr double flat_enough = 1e-3;
+/// What lies in a floor is at most this deep (m) in it, twice the slop. What is deeper was pushed there.
+constexpr double most_sunk = 1e-3;
 /// Directions with a lower cosine than this lead against each other.
 constexpr double opposed = -0.5;
 
@@ -184,7 +186,7 @@ bool Surroundings::leads_down(Vec3 at, Vec3 normal, double close) const {
   if (!(normal.y < opposed)) return false;
   const Vec3 before = at + close * normal;
   bool out = false;
-  tree.find(box_around(before, before), [&](std::uint32_t i) { out = out || shapes[i].is_above(before); });
+  tree.find(box_around(before, before), [&](std::uint32_t i) { out = out || shapes[i].encloses(before); });
   return out;
 }
 
@@ -205,6 +207,22 @@ bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double clos
     out = hides && !goes_on(shape, other, at, near.normal, close);
   });
   return out;
+}
+
+Vec3 Surroundings::lifted(std::uint32_t shape, Vec3 place, double reach) const {
+  reach = std::min(reach, most_sunk);
+  for (const Plane& plane : planes) {
+    const double depth = plane.offset - dot(plane.normal, place);
+    if (!plane.motion.platform && depth > 0 && depth <= reach) place += depth * plane.normal;
+  }
+  const Vec3 from = place;
+  tree.find(box_around(from, from), [&](std::uint32_t i) {
+    LineTouches touches;
+    if (i != shape) shapes[i].touch_point(place, place, 0, touches);
+    for (const LineTouch& each : touches)
+      if (each.gap < 0 && each.gap >= -reach) place = place - each.gap * each.normal;
+  });
+  return place;
 }
 
 bool Surroundings::leads_out(std::uint32_t shape, const Near& near, double reach, double close) const {

@@ -54,31 +54,48 @@ inline Touch plane_of(double time, Vec3 normal, double at, Vec3 by) {
 /// Calls add(near) where ground is near a point of a shape with its middle elsewhere, as far as `reach` (m).
 /// What lies within one of many solids goes out through the nearest face that is none between two of them.
 /// Where that is far, as in a corner between walls, it leaves all of them through those between them.
+/// What lies a slop deep in a floor touches walls as it does where it comes out of that: it is below them.
 template <class Add>
 void for_point_touches(const Surroundings& around, std::uint32_t ground, const MovingEnd& end, double reach,
                        double close, Add&& add) {
   const GroundShape& shape = around.shapes[ground];
   if (distance2(shape.bounds(), end.at) > reach * reach) return;
+  const Vec3 at = shape.is_convex() ? around.lifted(ground, end.at, reach) : end.at;
+  const auto add_at = [&](const Surroundings::Near& near) {
+    add(Surroundings::Near{end.at, near.distance - dot(near.normal, at - end.at), near.normal});
+  };
   LineTouches touches;
-  shape.touch_point(end.at, end.middle, reach, touches);
+  shape.touch_point(at, end.middle, reach, touches);
   for (const LineTouch& each : touches) {
-    const Surroundings::Near near{end.at, each.gap, each.normal};
+    const Surroundings::Near near{at, each.gap, each.normal};
     if (!shape.is_convex() || !around.is_covered(ground, near, close)) {
-      add(near);
+      add_at(near);
     } else if (each.gap <= close) {
       std::optional<Surroundings::Near> exit;
-      shape.for_exits(end.at, [&](double distance, Vec3 normal) {
-        const Surroundings::Near face{end.at, distance, normal};
+      shape.for_exits(at, [&](double distance, Vec3 normal) {
+        const Surroundings::Near face{at, distance, normal};
         if (!around.is_covered(ground, face, close)) exit = face;
         return exit.has_value();
       });
       const bool is_far = !exit || exit->distance < -reach;
       if (is_far && around.leads_out(ground, near, reach, close))
-        add(near);
+        add_at(near);
       else if (exit)
-        add(*exit);
+        add_at(*exit);
     }
   }
+}
+
+/// Calls add(normal) for the direction in which what touches ground first is kept off it there. Where that is
+/// another solid's, it is kept off as what lies there is.
+template <class Add>
+void for_first_normals(const Surroundings& around, std::uint32_t ground, const MovingEnd& first, Vec3 normal,
+                       const GroundSearch& search, Add&& add) {
+  if (!around.shapes[ground].is_convex() ||
+      !around.is_covered(ground, {first.at, first.radius, normal}, search.close))
+    return add(normal);
+  for_point_touches(around, ground, first, first.radius + search.margin, search.close,
+                    [&](const Surroundings::Near& near) { add(near.normal); });
 }
 
 /// Calls add(key, touch) where ground is near the end of a shape, whose number among the ends is `number`.
@@ -97,17 +114,17 @@ void for_end_touches(const Surroundings& around, std::uint32_t ground, const Mov
 /// because the line may touch elsewhere already.
 template <class Add>
 void for_first_touches(const Surroundings& around, std::uint32_t ground, const MovingSegment& moving,
-                       double close, Add&& add) {
+                       const GroundSearch& search, Add&& add) {
   const GroundShape& shape = around.shapes[ground];
   const Segment& line = moving.at;
   const Vec3 p_by = moving.p_by, q_by = moving.q_by;
   const auto see = [&](std::uint64_t which, const MovingSegment& part, double from, double to) {
-    const auto first = shape.first_touch(part, close);
+    const auto first = shape.first_touch(part, search.close);
     if (!first) return;
     const double at = between({from, 0, 0}, {to, 0, 0}, first->at).x;
     const Vec3 by = between(p_by, q_by, at), place = between(line.p, line.q, at) + first->time * by;
-    if (shape.is_convex() && around.is_covered(ground, {place, line.radius, first->normal}, close)) return;
-    add(which, plane_of(first->time, first->normal, at, by), first->time);
+    for_first_normals(around, ground, {place, place, line.radius, 0}, first->normal, search,
+                      [&](Vec3 normal) { add(which, plane_of(first->time, normal, at, by), first->time); });
   };
   see(0, moving, 0, 1);
   if (line.p == line.q) return;
@@ -139,34 +156,33 @@ void for_line_touches(const Surroundings& around, std::uint32_t ground, const Mo
     add(key, Touch{each.gap - radius, each.normal, each.at, 0});
   }
   if (search.is_fast(moves, radius))
-    for_first_touches(around, ground, moving, search.close,
-                      [&](std::uint64_t which, const Touch& plane, double) {
-                        add(ground_key(GroundPart::first_of_line, number, ground, which), plane);
-                      });
+    for_first_touches(around, ground, moving, search, [&](std::uint64_t which, const Touch& plane, double) {
+      add(ground_key(GroundPart::first_of_line, number, ground, which), plane);
+    });
 }
 
 /// Calls add(which, at, plane, time) for what is touched first by a hull as a whole and by each of its edges.
 /// `at` is the place that touches.
 template <class Add>
 void for_first_touches(const Surroundings& around, std::uint32_t ground, const MovingHullShape& moving,
-                       double close, Add&& add) {
+                       const GroundSearch& search, Add&& add) {
   const GroundShape& shape = around.shapes[ground];
   const auto& [vertices, normals, parts, radius] = moving.hull.at;
-  if (const auto first = shape.first_touch(moving.hull, close)) {
+  if (const auto first = shape.first_touch(moving.hull, search.close)) {
     std::array<Vec3, 4> then;
     for (std::size_t i = 0; i < 4; ++i) then[i] = moving.particles[i] + first->time * moving.by[i];
     const std::array<double, 4> weights = Linkage::HullShape::weights(then, first->on_hull);
     const Combination at = moving.shape.sum(weights);
     const Vec3 by = weighted(weights, moving.by);
-    if (!shape.is_convex() || !around.is_covered(ground, {first->on_hull, radius, first->normal}, close))
-      add(0, at, plane_of(first->time, first->normal, 0, by), first->time);
+    for_first_normals(around, ground, {first->on_hull, first->on_hull, radius, 0}, first->normal, search,
+                      [&](Vec3 normal) { add(0, at, plane_of(first->time, normal, 0, by), first->time); });
   }
   std::uint64_t which = 0;
   for (const ConvexParts::Edge& edge : parts->edges) {
     ++which;
     const MovingSegment line{
         {vertices[edge.a], vertices[edge.b], radius}, moving.hull.by[edge.a], moving.hull.by[edge.b]};
-    for_first_touches(around, ground, line, close, [&](std::uint64_t n, const Touch& plane, double time) {
+    for_first_touches(around, ground, line, search, [&](std::uint64_t n, const Touch& plane, double time) {
       std::array<double, 4> weights;
       for (std::size_t k = 0; k < 4; ++k)
         weights[k] =
@@ -219,7 +235,7 @@ void for_hull_touches(const Surroundings& around, std::uint32_t ground, const Mo
     add_near(GroundPart::hull, each.key, near);
   }
   if (!search.is_fast(moves, moving.shape.half_width)) return;
-  for_first_touches(around, ground, moving, search.close,
+  for_first_touches(around, ground, moving, search,
                     [&](std::uint64_t which, const Combination& at, const Touch& plane, double) {
                       add(ground_key(GroundPart::first_of_hull, number, ground, which), at, plane);
                     });

@@ -97,6 +97,13 @@ bool GroundShape::reaches_into(const Bounds& bounds) const {
   return !mesh_ || mesh_->encloses() || mesh_->reaches_into(bounds);
 }
 
+bool GroundShape::encloses(Vec3 p) const {
+  if (!mesh_ || !mesh_->encloses()) return false;
+  LineTouches touches;
+  touch_mesh(*mesh_, p, p, 0, 0, touches);
+  return touches.count > 0 && touches.list[0].gap < 0;
+}
+
 void GroundShape::touch_point(Vec3 p, Vec3 middle, double reach, LineTouches& out) const {
   if (mesh_) {
     touch_mesh(*mesh_, p, middle, reach, 0, out);

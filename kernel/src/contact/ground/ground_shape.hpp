@@ -30,8 +30,8 @@ class GroundShape {
   /// Returns whether it may reach into a box. A solid reaches into all of its bounds.
   bool reaches_into(const Bounds& bounds) const;
   bool is_convex() const { return !mesh_; }
-  /// Returns whether it is a landscape above a place.
-  bool is_above(Vec3 p) const { return mesh_ && mesh_->sides() == MeshSides::upward && is_below(*mesh_, p); }
+  /// Returns whether a place is in what it encloses as a landscape or as a solid mesh.
+  bool encloses(Vec3 p) const;
   /// Returns the capsule that it is, if it is one.
   std::optional<Segment> capsule() const {
     if (line_.empty()) return std::nullopt;

@@ -176,7 +176,7 @@ void CrowdContacts<T>::touch_in_passing(const Substep& in) {
           !plumb::may_touch(each.shape->filter, in.surroundings.shapes[ground].filter()))
         return;
       const Side other = ground_side(in, ground);
-      for_first_touches(in.surroundings, ground, moving, search.close,
+      for_first_touches(in.surroundings, ground, moving, search,
                         [&](std::uint64_t which, const Touch& plane, double) {
                           const Middle<T> at = middle_of(in, each, plane.a);
                           add(in, side_of(each, at), other, plane,
@@ -343,7 +343,7 @@ void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
     if (!in.crowd.is_moving(each.island)) continue;
     const MovingSegment moving = motion_of(in.crowd, each);
     for_ground_near(in, moving, [&](std::uint32_t ground, const GroundShape&) {
-      for_first_touches(in.surroundings, ground, moving, search.close,
+      for_first_touches(in.surroundings, ground, moving, search,
                         [&](std::uint64_t, const Touch& plane, double time) {
                           const Middle<T> at = middle_of(in, each, plane.a);
                           miss(in, side_of(each, at), ground, each.shape->radius, plane, time);
@@ -362,7 +362,7 @@ void CrowdContacts<T>::find_missed_hulls(const Substep& in) {
     if (!search.is_fast(moving.moves(), each.shape->half_width)) continue;
     in.surroundings.find(bounds_of(moving.hull), near_ground_);
     for (const std::uint32_t ground : near_ground_)
-      for_first_touches(in.surroundings, ground, moving, search.close,
+      for_first_touches(in.surroundings, ground, moving, search,
                         [&](std::uint64_t, const Combination& place, const Touch& plane, double time) {
                           const Middle<T> at(in.crowd, *in.cluster[each.island]->linkage, each.island, place);
                           miss(in, {each.island, each.shape->number, at.terms(), &each.shape->surface},

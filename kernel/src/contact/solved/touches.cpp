@@ -146,7 +146,7 @@ bool ClusterStepper::find_missed_ground() {
       if (!search.is_fast(moves_of(moving), shape.radius)) continue;
       surroundings.find(bounds_of(moving), near_ground_);
       for (const std::uint32_t ground : near_ground_)
-        for_first_touches(surroundings, ground, moving, settings_.tolerance,
+        for_first_touches(surroundings, ground, moving, search,
                           [&](std::uint64_t, const Touch& plane, double time) {
                             miss(k, ground, blend(shape.a, shape.b, plane.a), plane, time);
                           });
@@ -156,7 +156,7 @@ bool ClusterStepper::find_missed_ground() {
       if (!search.is_fast(moving.moves(), moving.shape.half_width)) continue;
       surroundings.find(bounds_of(moving.hull), near_ground_);
       for (const std::uint32_t ground : near_ground_)
-        for_first_touches(surroundings, ground, moving, settings_.tolerance,
+        for_first_touches(surroundings, ground, moving, search,
                           [&](std::uint64_t, const Combination& at, const Touch& plane, double time) {
                             miss(moving.shape.number, ground, at, plane, time);
                           });
