@@ -18,8 +18,6 @@ constexpr double aside = 100;
 constexpr double in_front = 0.5;
 /// Faces of two solids that meet at an angle of less than this (rad) go on into each other.
 constexpr double flat_enough = 1e-3;
-/// What lies in a floor is at most this deep (m) in it, twice the slop. What is deeper was pushed there.
-constexpr double most_sunk = 1e-3;
 /// Directions with a lower cosine than this lead against each other.
 constexpr double opposed = -0.5;
 
@@ -209,8 +207,8 @@ bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double clos
   return out;
 }
 
-Vec3 Surroundings::lifted(std::uint32_t shape, Vec3 place, double reach) const {
-  reach = std::min(reach, most_sunk);
+Vec3 Surroundings::lifted(std::uint32_t shape, Vec3 place, double close) const {
+  const double reach = aside * close;  // What is deeper was pushed there.
   for (const Plane& plane : planes) {
     const double depth = plane.offset - dot(plane.normal, place);
     if (!plane.motion.platform && depth > 0 && depth <= reach) place += depth * plane.normal;

@@ -60,7 +60,7 @@ void for_point_touches(const Surroundings& around, std::uint32_t ground, const M
                        double close, Add&& add) {
   const GroundShape& shape = around.shapes[ground];
   if (distance2(shape.bounds(), end.at) > reach * reach) return;
-  const Vec3 at = shape.is_convex() ? around.lifted(ground, end.at, reach) : end.at;
+  const Vec3 at = shape.is_convex() ? around.lifted(ground, end.at, close) : end.at;
   const auto add_at = [&](const Surroundings::Near& near) {
     add(Surroundings::Near{end.at, near.distance - dot(near.normal, at - end.at), near.normal});
   };
