@@ -17,7 +17,7 @@ struct ClusterRules {
   std::uint32_t time_order = 2;  ///< of an island alone in the air
   bool is_watched = false;       ///< errors are estimated, which is to tell the length of substeps in the air
   Team* team = nullptr;          ///< that may help; null: there is none
-  bool is_pressed = false;  ///< rods are off their lengths since ground is in their way, which is no blow
+  Strain strain = Strain::none;  ///< why rods are off their lengths, which is no blow
 };
 
 /// Moves the islands of one cluster after the other.

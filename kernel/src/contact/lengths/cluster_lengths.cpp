@@ -105,7 +105,8 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   Island& island = islands_[i];
   LinkageState& state = *island.state;
   if (strain_ != Strain::none) find_walls(i);
-  if (!(project_positions(state, projection_) <= most)) {
+  const double left = project_positions(state, projection_);
+  if (!(left <= most)) {
     projection_.walls.clear();
     return false;
   }
@@ -132,21 +133,39 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   project_velocities(state, projection_);
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
   state.energy.reset();
+  // To try again is in vain for a net, and takes long. A bridge of planks may fit as soon as a load goes on.
+  state.strain = left > noticed && state.linkage->is_net() ? Strain::drawn : Strain::none;
   return true;
 }
 
-/// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
+/// Returns which share of the way that brings the rods of a net to their lengths is no farther than it may go
+/// lest it pass through what it touches.
+double ClusterStepper::share_before_passing(std::uint32_t i) const {
+  const Island& island = islands_[i];
+  if (count_ == 1 || !island.state->linkage->is_net()) return 1;
+  const double most = most_approach * island.state->linkage->thinness();
+  double farthest = 0;
+  for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k)
+    farthest = std::max(farthest, norm(island.state->x[k] - island.there[k]));
+  return farthest > most ? most / farthest : 1;
+}
+
+/// Brings the rods of what is awake to their lengths, or leaves an island as it is, or on its way, if it may
+/// keep its strain.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
-    const LinkageState& state = *islands_[i].state;
+    LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
     projection_.holds.clear();
-    const bool fits = bring_to_lengths(i, most_left, surroundings);
-    if (!fits && strain_ == Strain::none) return false;
-    if (!fits) islands_[i].state->x = islands_[i].there;
-    islands_[i].state->strain = fits ? Strain::none : std::max(state.strain, Strain::drawn);
+    const bool fits = bring_to_lengths(i, may_strain_ ? most_left : 0, surroundings);
+    const double share = fits ? share_before_passing(i) : 0;
+    if (share == 1) continue;
+    if (strain_ == Strain::none && !(fits && may_strain_)) return false;
+    for (std::size_t k = 0; k < state.x.size(); ++k)
+      state.x[k] = islands_[i].there[k] + share * (state.x[k] - islands_[i].there[k]);
+    state.strain = std::max(state.strain, Strain::drawn);
   }
   return true;
 }

@@ -119,6 +119,7 @@ class Linkage {
   std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size() + giving_rods_.size()); }
   std::uint32_t constraints() const { return constraints_; }
   bool has_loops() const { return rods() > particles_; }  ///< of rods, as bodies and nets have
+  bool is_net() const { return has_loops() && bodies_.empty(); }
   /// Numbers of particles from `first` up to `end`: all, the movable and the fixed ones.
   struct Range {
     std::uint32_t first, end;

@@ -86,8 +86,9 @@ class Visitor {
   bool is_visiting_ = false;
 };
 
-/// Rods fit that projection leaves with no more than this strain, since sweeps do.
-inline constexpr double most_left = 1e-2;
+/// Rods fit that projection leaves with no more than this strain, since sweeps do. Those of nets
+/// that it leaves with more than the second do not fit.
+inline constexpr double most_left = 1e-2, noticed = 1e-6;
 /// Moves an island's particles, by mass, so that its constraints hold, and places that ground holds are where
 /// it lets them be: Newton's method without velocities.
 /// Where that does not converge nothing moves, and the largest violation is returned; else 0.

@@ -10,7 +10,8 @@ namespace plumb::detail {
 namespace {
 
 /// A blow to hulls is swept on until rods are violated by at most this share.
-constexpr double least_crushed = 1e-3;
+/// Those of nets that do not fit keep some, and sweeping for long gains little.
+constexpr double least_crushed = 1e-3, least_drawn = 1e-2;
 /// What a fast capsule strikes is swept on until rods are violated by at most this share, or as they were
 /// before. A net opens its meshes no farther then than 5 %.
 constexpr double least_torn = 0.1;
@@ -38,7 +39,11 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   leaves_ = rules_.step_sweeps == 0 && !rules.is_watched;
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
   team_ = rules.team;
-  is_pressed_ = rules.is_pressed;
+  is_pressed_ = rules.strain == Strain::pressed;
+  const bool is_drawn_net = rules.strain != Strain::none &&
+                            std::any_of(cluster.begin(), cluster.end(),
+                                        [](const LinkageState* state) { return state->linkage->is_net(); });
+  most_crushed_ = is_drawn_net ? least_drawn : least_crushed;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -184,8 +189,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     solve(gradient, report);
   }
   is_missed = is_missed || is_in_ground_;
-  const bool is_torn =
-      is_struck() && (is_missed || (!is_pressed_ && crowd_.violation(rod_kernels()) > most_violated()));
+  const bool is_torn = is_struck() && (is_missed || crowd_.violation(rod_kernels()) > most_violated());
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;
   report.missed_contacts += is_missed;
   if (gradient == Gradient::mid && crowd_.violation(rod_kernels()) > least_guarded) {
@@ -241,10 +245,10 @@ bool RelaxedStepper<T>::is_struck() const {
 /// no loops has no meshes that open. Rods that do not fit lack more from substep to substep.
 template <class T>
 double RelaxedStepper<T>::most_violated() const {
-  if (!is_hit_ && !crowd_.has_loops()) return INFINITY;
+  if (is_pressed_ || (!is_hit_ && !crowd_.has_loops())) return INFINITY;
   const double before = crowd_.violation_of_positions();
   if (before > least_torn) return before + least_torn * (1 + before);
-  return is_hit_ ? std::max(least_crushed, before) : least_torn;
+  return is_hit_ ? std::max(most_crushed_, before) : least_torn;
 }
 
 /// Takes back energy of motion that corrections have given: bounces by single places, what a blow or the

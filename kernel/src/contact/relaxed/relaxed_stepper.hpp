@@ -114,6 +114,7 @@ class RelaxedStepper final : public ClusterMover {
   Team* team_ = nullptr;                  ///< that may help
   bool is_hit_ = false;                   ///< hulls move fast near what they may touch
   bool is_pressed_ = false;               ///< rods are off their lengths since ground is in their way
+  double most_crushed_ = 0;               ///< the share up to which a blow to hulls may violate rods
   bool is_in_ground_ = false;             ///< sweeps have left the middle of something there
   bool counts_ = false;                   ///< some island's pulls count
   bool leaves_ = false;                   ///< what sweeps leave is kept in shorter substeps

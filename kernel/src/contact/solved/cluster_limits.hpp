@@ -27,6 +27,11 @@ inline constexpr double most_cuts = 4096;
 /// relaxed in this many or, if it is fast, more.
 inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
+/// What touches nets is relaxed with rods off their lengths only once substeps are shorter than this share,
+/// or were halved so often in the step. With a quarter, crates on nets that sag a little left rods strained
+/// by a fifth. What begins in a crate would be halved on for seconds.
+inline constexpr double few_cuts_of_nets = 1.0 / 16;
+inline constexpr int most_halvings_of_nets = 16;
 /// What would sink into ground by being relaxed is cut on, to this share, before it is relaxed all the same.
 inline constexpr double least_sunk = 1.0 / 512;
 /// Where that brings them into ground, it is tried so often to hold them out of it.

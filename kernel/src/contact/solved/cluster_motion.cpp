@@ -311,8 +311,8 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
   // What sweeps leave of positions may lift what rests, too. No motion has that energy.
-  const double lifted = rests_ ? left_by_sweeps * still_ * pulls : 0;
-  const double unseen = recovered + unnoticed * weight + lifted;
+  const double lifted = rests_ ? swept_left_ * pulls : 0;
+  const double unseen = recovered + unnoticed * weight + (rests_ ? left_by_sweeps * still_ * pulls : 0);
   // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken
   // from all.
   const double loose = find_rigid_motion();

@@ -169,6 +169,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
         (left <= left_by_sweeps * still_ || rounds_.is_over ||
          (correction + 1 >= most / 2 && !is_patient && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
+      swept_left_ = left;
       return true;
     }
     if (correction == 0) first = now.violation;

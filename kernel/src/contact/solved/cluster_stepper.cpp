@@ -52,7 +52,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   has_nets_ = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].state = cluster[i];
-    has_nets_ = has_nets_ || (cluster[i]->linkage->has_loops() && cluster[i]->linkage->bodies().empty());
+    has_nets_ = has_nets_ || cluster[i]->linkage->is_net();
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
     islands_[i].theta = 0;
     islands_[i].ground.clear();
@@ -66,7 +66,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
   halvings_ = 0;
-  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = is_squeezed_ = has_looked_ahead_ = false;
+  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = is_squeezed_ = has_looked_ahead_ = gives_way_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake && !cluster[0]->lengths.move();
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;

@@ -111,6 +111,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
+  double share_before_passing(std::uint32_t i) const;
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
   void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i);
   bool find_depths(std::uint32_t i);
@@ -363,9 +364,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Array<std::uint32_t> near_ground_;            ///< an island's or a shape's, ascending
   Array<MissedGround> missed_ground_;
   Array<MissedPair> missed_pairs_;
-  bool gives_up_missed_ = false;  ///< something is in ground still
-  bool may_sink_ = true;          ///< what is relaxed may end deeper in ground than it was
-  bool sinks_ = false;            ///< it would, in this substep, or leave rods off their lengths
+  bool gives_up_missed_ = false, gives_way_ = false;  ///< something is in ground still; nets may be strained
+  bool may_sink_ = true, may_strain_ = true, sinks_ = false;  ///< by what is relaxed; something would sink
   Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
   double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: something pushes, or is near
@@ -392,8 +392,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double now_ = 0, left_ = 0;                     ///< s, since the beginning of the step, and until its end
   double shortest_ = 0, shortest_if_missed_ = 0;  ///< s; the latter where something is in ground still
   Team* team_ = nullptr;                          ///< that may help what is relaxed
-  double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
-  double still_ = 0;          ///< m, a change of a position that no longer matters
+  double recovery_rate_ = 0;           ///< 1/s, the share that is taken back of overlaps and beyond limits
+  double still_ = 0, swept_left_ = 0;  ///< m, changes of a position: one that no longer matters, the last one
 };
 
 }  // namespace plumb::detail

@@ -113,7 +113,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   while (!substep(surroundings, h, report)) {
     if (std::exchange(is_squeezed_, false)) return solve_strained(cluster, surroundings, report);
     if (found_crowd_) {
-      may_sink_ = true;
+      may_sink_ = may_strain_ = true;
       in_crowd_ = gives(cluster);
       if (relax(cluster, surroundings, 1, h, report)) return h;
       looks_for_crowd_ = in_crowd_ = false;
@@ -141,6 +141,8 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       return solve_strained(cluster, surroundings, report);
     // What would sink into ground, or be torn, is relaxed for a shorter time, in which it goes less far.
     may_sink_ = !is_lone || h < std::max(least_sunk * whole, least / 16);
+    gives_way_ = gives_way_ || h < few_cuts_of_nets * whole || halvings_ > most_halvings_of_nets;
+    may_strain_ = !has_nets_ || gives_way_;
     const double relaxed = sinks_ ? h : whole;
     if (h < few_cuts * whole && relax_stuck(cluster, surroundings, relaxed, in_vain, report)) return relaxed;
     if (h < few_cuts * whole && try_otherwise(report)) {
@@ -167,7 +169,7 @@ bool ClusterStepper::relax_stuck(std::span<LinkageState* const> cluster, const S
                    [&](const LinkageState* each) { return can_relax(*each, h, has_nets_); }))
     return false;
   if (!relax(cluster, where, 1, h, report, has_nets_)) {
-    if (may_sink_) vain = h;
+    if (may_sink_ && may_strain_) vain = h;
     return false;
   }
   ++report.fallbacks;
@@ -204,7 +206,7 @@ bool ClusterStepper::will_come_taut() {
 double ClusterStepper::solve_strained(std::span<LinkageState* const> cluster, const Surroundings& where,
                                       Tally& report) {
   strain_ = std::max(strain_, Strain::drawn);
-  may_sink_ = true;
+  may_sink_ = may_strain_ = true;
   for (std::uint32_t i = 0; i < count_; ++i)
     if (LinkageState& state = *islands_[i].state; islands_[i].awake && state.linkage->is_grounded())
       std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
@@ -298,7 +300,7 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   const bool relaxes = strain_ != Strain::none || (relaxes_crowds_ && is_crowd(cluster));
   looks_for_crowd_ = relaxes_crowds_ && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
-  may_sink_ = true;
+  may_sink_ = may_strain_ = true;
   in_crowd_ = gives(cluster);
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
@@ -347,9 +349,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
     return false;
   keep_motion(cluster);
   Tally tried = report;
-  ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)),
-                     .team = team_,
-                     .is_pressed = strain_ == Strain::pressed};
+  ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_, .strain = strain_};
   const double elapsed = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed = now_;
   // Where rods do not fit pushes would grow without bound. None is kept for the next substep. Springs fit.
@@ -377,7 +377,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
       state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;
-    report.elastic_substeps += strain_ != Strain::none && strain_of(cluster) != Strain::none;
+    report.elastic_substeps += strain_of(cluster) != Strain::none;
     report.missed_contacts += gives_up_missed_;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;
