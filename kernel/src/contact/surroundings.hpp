@@ -60,8 +60,8 @@ struct Surroundings {
   /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it. The bottom of
   /// what stands on a plane or a landscape is covered by that.
   bool is_covered(std::uint32_t shape, const Near& near, double close) const;
-  /// Returns where a place that is in other ground than a shape, no deeper than what rests may be, comes out of
-  /// it.
+  /// Returns where a place that is in other ground than a shape, no deeper than what rests may be, comes out
+  /// of it.
   Vec3 lifted(std::uint32_t shape, Vec3 place, double close) const;
   /// Returns whether what leaves a convex shape where it is near, and then all that it comes into by that, is
   /// out of ground within `reach` (m): in a corner between solids, and not in the middle of a floor of them.
