@@ -172,9 +172,10 @@ bool ClusterStepper::is_on_face(const Levers::End& end, Vec3 outward) {
 /// Lets a contact push a hull elsewhere, by that way (m) from where it touched it.
 void ClusterStepper::move_place(const Levers::End& end, Vec3 by) {
   Island& island = islands_[end.island];
-  const Linkage::HullShape& hull = *placed(island, end.shape).hull;
+  const Linkage::HullShape* const hull = placed(island, end.shape).hull;
+  if (hull == nullptr) return;
   const std::span<const Vec3> x = island.state->x;
-  const Sum sum = add_sum(island, hull.at(hull.of(x), island.of(end.middle, x) + by));
+  const Sum sum = add_sum(island, hull->at(hull->of(x), island.of(end.middle, x) + by));
   for (std::uint32_t axis = 0; axis < 3; ++axis) island.sides[end.normal + axis].a = sum;
 }
 
