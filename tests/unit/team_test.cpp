@@ -8,6 +8,7 @@
 #include <atomic>
 #include <barrier>
 #include <memory>
+#include <new>
 #include <vector>
 
 #include "support/executors.hpp"
@@ -93,6 +94,33 @@ TEST(Team, RunsPartsAtOnceOnRealThreads) {
     });
     EXPECT_EQ(ended, 10 * threads);
   }
+}
+
+// Memory may run out on any thread. Nobody waits for a part that has thrown, and the team goes on after that.
+TEST(Team, ThrowsWhatAPartOrTheProgramThrew) {
+  for (const unsigned threads : {1u, 2u, 3u})
+    for (const Named& named : executors(threads)) {
+      SCOPED_TRACE(named.name);
+      Team team(threads);
+      for (unsigned thrower = 0; thrower < threads; ++thrower) {
+        std::atomic<int> parts{0};
+        const auto run = [&] {
+          team.lead(named.executor.get(), [&] {
+            team.for_parts([&](unsigned part) {
+              ++parts;
+              if (part == thrower % team.parts()) throw std::bad_alloc();
+            });
+            ADD_FAILURE() << "the program goes on";
+          });
+        };
+        EXPECT_THROW(run(), std::bad_alloc);
+        EXPECT_EQ(parts, named.executor && threads > 1 ? static_cast<int>(threads) : 1);
+      }
+      EXPECT_THROW(team.lead(named.executor.get(), [] { throw std::bad_alloc(); }), std::bad_alloc);
+      std::atomic<int> ended{0};
+      team.lead(named.executor.get(), [&] { team.for_parts([&](unsigned) { ++ended; }); });
+      EXPECT_EQ(ended, named.executor && threads > 1 ? static_cast<int>(threads) : 1);
+    }
 }
 
 TEST(Team, CutsItemsIntoRangesThatMeet) {

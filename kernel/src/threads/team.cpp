@@ -55,6 +55,7 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
       task();  // the executor failed to run a task, and the program runs alone
   }
   active_ = false;
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
 void Team::rethrow_failure() {
@@ -65,7 +66,11 @@ void Team::task() {
   const FlushDenormals flush;
   const MemoryScope scope(memory_);
   if (!has_leader_.exchange(true, std::memory_order_acq_rel)) {
-    program_(program_context_);
+    try {
+      program_(program_context_);
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
     finished_.store(true, std::memory_order_release);
   } else {
     help(helpers_.fetch_add(1, std::memory_order_relaxed) + 1);
@@ -93,7 +98,11 @@ bool Team::try_part(unsigned part, std::uint64_t phase) {
   std::uint64_t last = lanes_[part].claimed.load(std::memory_order_relaxed);
   if (last >= phase || !lanes_[part].claimed.compare_exchange_strong(last, phase, std::memory_order_acq_rel))
     return false;
-  job_(job_context_, part);
+  try {
+    job_(job_context_, part);
+  } catch (...) {
+    if (!has_thrown_.exchange(true, std::memory_order_acq_rel)) thrown_by_part_ = std::current_exception();
+  }
   parts_done_.fetch_add(1, std::memory_order_release);
   return true;
 }
@@ -110,6 +119,8 @@ void Team::for_parts_erased(Job job, void* context) {
   phase_.store(phase, std::memory_order_release);
   for (unsigned part = 0; part < size_; ++part) try_part(part, phase);
   for (Spin spin; parts_done_.load(std::memory_order_acquire) != target;) spin.wait();
+  if (has_thrown_.exchange(false, std::memory_order_acquire))
+    std::rethrow_exception(std::exchange(thrown_by_part_, nullptr));
 }
 
 }  // namespace plumb::detail

@@ -14,7 +14,8 @@ namespace plumb::detail {
 ///
 /// Whichever task of Executor::run starts first becomes the leader and runs a straight program, which calls
 /// for_parts() where there is work to share. Other tasks help while it lasts and claim parts that nobody has
-/// begun. The leader takes what is left. Neither the program nor parts may throw.
+/// begun. The leader takes what is left. What a part throws, for_parts() throws in the program once all are
+/// done, and what the program throws, lead() does.
 ///
 /// Nobody ever waits for a task that has not started, so an executor that runs its tasks one after the other
 /// only loses speed. Inside lead(), denormal numbers count as zero on every thread.
@@ -84,7 +85,9 @@ class Team {
   };
 
   unsigned size_;
-  std::exception_ptr failure_;
+  std::exception_ptr failure_, thrown_;
+  std::exception_ptr thrown_by_part_;  ///< what the first part threw that did
+  std::atomic<bool> has_thrown_{false};
   bool active_ = false;
   std::unique_ptr<Lane[]> lanes_;
   Memory* memory_ = nullptr;  ///< that of who leads, for all tasks
