@@ -136,6 +136,11 @@ TEST(RigidJoints, ThatCannotHoldAreRefused) {
   expect_refusal("rad, beyond its limits, and rigid rods keep it so", [&] { World(scene, {}); });
   scene.angles[0].lower = 1.57;
   World within(scene, {.threads = 1});
+  scene.angles.clear();
+  scene.alignments = {{way(scene, {}, x), way(scene, {}, y), 1e-4}};
+  expect_refusal("alignment 0: its value is 0.0001 m²", [&] { World(scene, {}); });
+  scene.alignments[0].value = 0;
+  World aligned(scene, {.threads = 1});
   Scene rope;
   test::add_rope(rope, {}, {1, 0, 0}, false, 0);
   rope.pins = {{point_at(1), point_on_rod(rope, 1, 0.5)}};

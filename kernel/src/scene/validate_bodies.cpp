@@ -102,14 +102,19 @@ void validate_pin(const Scene& scene, std::size_t i, const Array<std::uint64_t>&
     refuse(name, ": its places are ", apart, " m apart, and rigid rods keep them so");
 }
 
-void validate_alignment(const Scene& scene, std::size_t i) {
+void validate_alignment(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {
   const auto& [u, v, value] = scene.alignments[i];
   const std::string name = "alignment " + std::to_string(i);
   const double u_length = validate_direction(scene, u, name + ", u");
   const double v_length = validate_direction(scene, v, name + ", v");
   if (u_length == 0 && v_length == 0) refuse(name, ": both directions are of length zero");
   if (!moves(scene, u) && !moves(scene, v)) refuse(name, ": all its particles are fixed");
-  if (value && !std::isfinite(*value)) refuse(name, ": value is not finite: ", *value);
+  if (!value) return;
+  if (!std::isfinite(*value)) refuse(name, ": value is not finite: ", *value);
+  const double now = dot(along(scene, u), along(scene, v));
+  if (const double size = size_of_solid(scene, rigid, {u.from, u.to, v.from, v.to});
+      size > 0 && std::abs(now - *value) > same * size * size)
+    refuse(name, ": its value is ", *value, " m², but ", now, " m² as rigid rods keep it");
 }
 
 void validate_angle(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {
@@ -271,10 +276,10 @@ void validate_bodies(const Scene& scene) {
 
 void validate_joints(const Scene& scene) {
   Array<std::uint64_t> rigid;
-  if (!scene.pins.empty() || !scene.angles.empty())
+  if (!scene.pins.empty() || !scene.alignments.empty() || !scene.angles.empty())
     rigid = sorted_pairs(scene.rods, [](const Rod& rod) { return rod.law.is_rigid(); });
   for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene, i, rigid);
-  for (std::size_t i = 0; i < scene.alignments.size(); ++i) validate_alignment(scene, i);
+  for (std::size_t i = 0; i < scene.alignments.size(); ++i) validate_alignment(scene, i, rigid);
   for (std::size_t i = 0; i < scene.angles.size(); ++i) validate_angle(scene, i, rigid);
 }
 
