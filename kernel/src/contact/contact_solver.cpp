@@ -169,8 +169,9 @@ bool ContactSolver::is_for_team(std::uint32_t piece, unsigned parts) const {
 /// Returns whether a cluster is a single island that its own solver can move, with nothing near.
 bool ContactSolver::can_stay_home(std::span<LinkageState* const> cluster) const {
   const LinkageState& state = *cluster.front();
+  // Rods that are off their lengths would be brought there in one substep, as a blow.
   return cluster.size() == 1 && visitors_[state.number].has_home() && !state.frozen &&
-         !state.linkage->neighbors().any_may_touch() &&
+         state.strain == Strain::none && !state.linkage->neighbors().any_may_touch() &&
          !surroundings_.reach_into(clusters_.reach_of(state.number), state.linkage->filters());
 }
 
