@@ -181,16 +181,16 @@ void ClusterStepper::slow_trembling(double excess) {
       Island& island = islands_[i];
       if (!island.awake) continue;
       const Linkage& linkage = *island.state->linkage;
-      const double gained = 0.5 * island.h * norm(linkage.gravity());  // m/s
-      const double most = left_by_sweeps * tighter * settings_.sweep_tolerance * gained;
+      const double by_weight = 0.5 * island.h * norm(linkage.gravity());  // m/s
+      const double most = trembling * left_by_sweeps * tighter * settings_.sweep_tolerance * by_weight;
       const std::span<Vec3> v = std::span(island.v).first(linkage.movable());
       if (std::all_of(v.begin(), v.end(), [&](Vec3 each) { return dot(each, each) <= most * most; }))
         f(linkage, v);
     }
   };
-  double trembling = 0;  // J
-  for_trembling([&](const Linkage& linkage, std::span<const Vec3> v) { trembling += linkage.kinetic(v); });
-  const double by = trembling > excess ? std::sqrt(1 - excess / trembling) : 0;
+  double in_tremor = 0;  // J
+  for_trembling([&](const Linkage& linkage, std::span<const Vec3> v) { in_tremor += linkage.kinetic(v); });
+  const double by = in_tremor > excess ? std::sqrt(1 - excess / in_tremor) : 0;
   for_trembling([&](const Linkage&, std::span<Vec3> v) {
     for (Vec3& each : v) each = by * each;
   });
