@@ -57,14 +57,17 @@ inline to_chars_result to_chars(char* first, char* last, double value, chars_for
   return {copy(text, text + length, first), errc{}};
 }
 /// Writes the fewest digits that are read back as the same number.
-inline to_chars_result to_chars(char* first, char* last, double value) {
+inline to_chars_result to_chars(char* first, char* last, double value, chars_format format) {
   for (int precision = 1; precision < 17; ++precision) {
-    const auto result = to_chars(first, last, value, chars_format::general, precision);
+    const auto result = to_chars(first, last, value, format, precision);
     double back = 0;
     if (result.ec == errc{} && from_chars(first, result.ptr, back).ec == errc{} && back == value)
       return result;
   }
-  return to_chars(first, last, value, chars_format::general, 17);
+  return to_chars(first, last, value, format, 17);
+}
+inline to_chars_result to_chars(char* first, char* last, double value) {
+  return to_chars(first, last, value, chars_format::general);
 }
 
 }  // namespace std
