@@ -175,7 +175,7 @@ struct Body {
 };
 
 /// This is a ball joint: two places that coincide and need not be at a shared particle. One that joins a
-/// place to itself, such as a corner of a body to the particle there, does nothing.
+/// place to itself by other weights, such as a corner of a body to the particle there, does nothing.
 struct Pin {
   Point a{};  ///< A place on one side.
   Point b{};  ///< The place on the other side.
@@ -340,7 +340,8 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - inertia that no solid has, or that of a line, which spins about itself without inertia;
 /// - a rod between a flat or thin body's particles that is not rigid;
 /// - weights of a point that do not add up to 1;
-/// - a ball joint or an alignment of nothing that moves, an alignment's value that is not finite;
+/// - a ball joint of one point, or one or an alignment of nothing that moves;
+/// - an alignment's value that is not finite, or that rigid rods contradict;
 /// - an angle without directions, or with limits outside [0, pi];
 /// - a ball joint of places that rigid rods keep apart, and limits that an angle they keep is beyond;
 /// - a spring or torsion of nothing that moves, a torsion without directions, or with one along its axis;
