@@ -138,20 +138,19 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   return true;
 }
 
-/// Returns which share of the way that brings the rods of a net to their lengths is no farther than it may go
-/// lest it pass through what it touches.
-double ClusterStepper::share_before_passing(std::uint32_t i) const {
+/// Returns whether a net went so far as its rods were brought to their lengths that it may have passed
+/// through what it touches.
+bool ClusterStepper::has_gone_far(std::uint32_t i) const {
   const Island& island = islands_[i];
-  if (count_ == 1 || !island.state->linkage->is_net()) return 1;
-  const double most = most_approach * island.state->linkage->thinness();
-  double farthest = 0;
-  for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k)
-    farthest = std::max(farthest, norm(island.state->x[k] - island.there[k]));
-  return farthest > most ? most / farthest : 1;
+  const Linkage& linkage = *island.state->linkage;
+  if (count_ == 1 || !linkage.is_net()) return false;
+  const double most = most_approach * linkage.thinness();
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    if (norm(island.state->x[k] - island.there[k]) > most) return true;
+  return false;
 }
 
-/// Brings the rods of what is awake to their lengths, or leaves an island as it is, or on its way, if it may
-/// keep its strain.
+/// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
@@ -160,11 +159,9 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
     islands_[i].there = state.x;
     projection_.holds.clear();
     const bool fits = bring_to_lengths(i, may_strain_ ? most_left : 0, surroundings);
-    const double share = fits ? share_before_passing(i) : 0;
-    if (share == 1) continue;
+    if (fits && !has_gone_far(i)) continue;
     if (strain_ == Strain::none && !(fits && may_strain_)) return false;
-    for (std::size_t k = 0; k < state.x.size(); ++k)
-      state.x[k] = islands_[i].there[k] + share * (state.x[k] - islands_[i].there[k]);
+    state.x = islands_[i].there;
     state.strain = std::max(state.strain, Strain::drawn);
   }
   return true;

@@ -111,7 +111,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
-  double share_before_passing(std::uint32_t i) const;
+  bool has_gone_far(std::uint32_t i) const;
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
   void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i);
   bool find_depths(std::uint32_t i);
