@@ -138,7 +138,7 @@ TEST(RigidJoints, ThatCannotHoldAreRefused) {
   World within(scene, {.threads = 1});
   scene.angles.clear();
   scene.alignments = {{way(scene, {}, x), way(scene, {}, y), 1e-4}};
-  expect_refusal("alignment 0: its value is 0.0001 m²", [&] { World(scene, {}); });
+  expect_refusal("alignment 0: its value is 0.0001 m^2", [&] { World(scene, {}); });
   scene.alignments[0].value = 0;
   World aligned(scene, {.threads = 1});
   Scene rope;

@@ -114,7 +114,7 @@ void validate_alignment(const Scene& scene, std::size_t i, const Array<std::uint
   const double now = dot(along(scene, u), along(scene, v));
   if (const double size = size_of_solid(scene, rigid, {u.from, u.to, v.from, v.to});
       size > 0 && std::abs(now - *value) > same * size * size)
-    refuse(name, ": its value is ", *value, " m², but ", now, " m² as rigid rods keep it");
+    refuse(name, ": its value is ", *value, " m^2, but ", now, " m^2 as rigid rods keep it");
 }
 
 void validate_angle(const Scene& scene, std::size_t i, const Array<std::uint64_t>& rigid) {

@@ -85,7 +85,8 @@ class Team {
   };
 
   unsigned size_;
-  std::exception_ptr failure_, thrown_;
+  std::exception_ptr failure_;         ///< what the executor threw
+  std::exception_ptr thrown_;          ///< what the program threw
   std::exception_ptr thrown_by_part_;  ///< what the first part threw that did
   std::atomic<bool> has_thrown_{false};
   bool active_ = false;

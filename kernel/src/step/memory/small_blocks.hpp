@@ -58,7 +58,7 @@ class SmallBlocks {
   /// Cuts from a large block from now on, and keeps what is left of the last one.
   void add(void* large, std::size_t bytes) noexcept {
     const Hold hold(*this);
-    for (; left_ > 0;) {
+    while (left_ > 0) {
       const std::size_t piece = std::min(left_, most);
       keep(rest_, piece);
       rest_ += piece;
