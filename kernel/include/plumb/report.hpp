@@ -197,8 +197,9 @@ struct Problem {
   enum class Kind : std::uint8_t { frozen, unsolved, elastic, inaccurate, capped, stretched };
 
   Kind kind = Kind::unsolved;
-  /// It is the first movable particle of the island, or of the first of equal islands that are solved side by
-  /// side. For a rod it is the rod's first movable end.
+  /// It is the first movable particle of the island. Equal islands that are solved side by side are told of
+  /// by the first of them. So are islands that touch, of what is `unsolved`, `inaccurate` or `capped`. For a
+  /// rod it is the rod's first movable end.
   std::uint32_t particle = 0;
   std::uint32_t rod = 0;  ///< The rod, if it is stretched.
   double strain = 0;      ///< Its strain, without a unit; negative if it is too short.
@@ -214,8 +215,8 @@ struct Event {
   enum class Kind : std::uint8_t { woke, fell_asleep, broke, frozen, unsolved, elastic, inaccurate, capped };
 
   Kind kind = Kind::woke;
-  /// It is the first movable particle of the island. What went wrong is told of the first of equal islands
-  /// that are solved side by side. For a rod it is the rod's first movable end.
+  /// It is the first movable particle of the island, of what went wrong as Problem::particle has it. For a
+  /// rod it is the rod's first movable end.
   std::uint32_t particle = 0;
   std::uint32_t rod = 0;  ///< The rod, if it broke.
   double strength = 0;    ///< What the rod held, in N, if it broke: it pulled more.

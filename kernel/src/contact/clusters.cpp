@@ -1,6 +1,7 @@
 #include "contact/clusters.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/surroundings.hpp"
@@ -164,6 +165,12 @@ void Clusters::put_to_sleep(LinkageState& state) {
   if (!state.linkage->has_shapes()) return;
   bounds_[state.number] = reach(state, top_speed(state), 0, margin_);
   sleepers_.insert(state.number, bounds_[state.number]);
+}
+
+void Clusters::tell(std::uint32_t cluster, Troubles troubles) {
+  bool is_first = true;
+  for (LinkageState* const state : (*this)[cluster])
+    if (!state->asleep) state->take_troubles(troubles, std::exchange(is_first, false));
 }
 
 void Clusters::fall_asleep(std::uint32_t i) {

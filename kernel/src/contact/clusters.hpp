@@ -48,6 +48,8 @@ class Clusters {
   std::span<LinkageState* const> operator[](std::uint32_t cluster) const {
     return {members_of_.data() + starts_[cluster], starts_[cluster + 1] - starts_[cluster]};
   }
+  /// Lets the islands of a cluster know what went wrong with it in the step.
+  void tell(std::uint32_t cluster, Troubles troubles);
   /// Returns the box that an island can reach within the step.
   const Bounds& reach_of(std::uint32_t island) const { return bounds_[island]; }
   /// Lets an island sleep here that its own solver has put to rest.

@@ -38,8 +38,7 @@ class ContactSolver final : public Solver {
   /// Takes the islands of `parts` that have shapes, bodies, joints or air.
   ContactSolver(const std::shared_ptr<const Scene>& scene, const SceneParts& parts, const Settings& settings);
 
-  /// Tells that solver number `number` of the world is the home of an island, with its movable particles at
-  /// `slots`.
+  /// Lets solver `number` of the world be an island's home, where its movable particles are at `slots`.
   void set_home(std::uint32_t island, Solver& home, std::uint32_t number, Array<Slot> slots);
   /// Names an island that its own solver can move, and the scene's numbers of its particles.
   struct PlainIsland {
@@ -127,8 +126,11 @@ class ContactSolver final : public Solver {
 
   /// Returns whether this solver moves a particle now, rather than its home.
   bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
-  /// Returns whether the island of a particle sleeps here.
   bool is_asleep(Slot slot) const { return state_of(slot).asleep; }
+  void tell(std::uint32_t piece, Troubles troubles) { clusters_.tell(pieces_[piece], troubles); }
+  Troubles troubles(std::uint32_t island, bool also_lasting) const {
+    return states_[island].troubles_now(also_lasting);
+  }
   /// Names an island that went home in begin_step(), by its solver's number and one of its slots there.
   struct Return {
     std::uint32_t solver;
@@ -172,8 +174,7 @@ class ContactSolver final : public Solver {
     surroundings_.begin_step(dt);
     wake_carried();
   }
-  /// Puts fixed particles elsewhere (m), which wakes what sleeps where shapes on them were and where they
-  /// are.
+  /// Puts fixed particles elsewhere (m), which wakes what sleeps where shapes on them were or are.
   void put_anchors(std::span<const std::uint32_t> anchors, std::span<const Vec3> positions);
   /// Ends a step, whether anything was awake in it or not.
   void after_step() {
@@ -189,8 +190,7 @@ class ContactSolver final : public Solver {
     const std::uint32_t island = owners_.rods[rod].island;
     return island < ended && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }
-  /// Returns whether a rod of the scene has broken here.
-  bool has_broken(std::uint32_t rod) const;
+  bool has_broken(std::uint32_t rod) const;  ///< a rod of the scene, here
   /// Returns the mean pull (N) of a rod of the scene in the last step. All means are NaN before the first.
   double pull_of_rod(std::uint32_t rod) const;
   double power_of_rod(std::uint32_t rod) const;  ///< W, likewise, with which it changed its length

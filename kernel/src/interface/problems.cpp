@@ -28,14 +28,6 @@ Troubles troubles_between(const StepReport& before, const StepReport& after) {
   return out;
 }
 
-Troubles lasting(Troubles troubles) {
-  Troubles out = 0;
-  for (unsigned i = 0; i < trouble_kinds.size(); ++i)
-    if (trouble_kinds[i] == Problem::Kind::frozen || trouble_kinds[i] == Problem::Kind::elastic)
-      out = static_cast<Troubles>(out | (troubles & 1u << i));
-  return out;
-}
-
 RodJudge::RodJudge(const Scene& scene) {
   grow(scene.rods.size());
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 
 #include "plumb/layouts/memory.hpp"
 #include "plumb/report.hpp"
@@ -20,8 +21,16 @@ Troubles troubles_between(const StepReport& before, const StepReport& after);
 inline constexpr std::array trouble_kinds{Problem::Kind::frozen, Problem::Kind::unsolved,
                                           Problem::Kind::elastic, Problem::Kind::inaccurate,
                                           Problem::Kind::capped};
-/// Returns those that go on while a piece sleeps: it stands as they left it.
-Troubles lasting(Troubles troubles);
+/// Returns the bits of some kinds.
+constexpr Troubles bits_of(std::initializer_list<Problem::Kind> kinds) {
+  Troubles out = 0;
+  for (unsigned i = 0; i < trouble_kinds.size(); ++i)
+    for (const Problem::Kind kind : kinds)
+      if (trouble_kinds[i] == kind) out = static_cast<Troubles>(out | 1u << i);
+  return out;
+}
+/// Names those that go on while a piece sleeps: it stands as they left it.
+inline constexpr Troubles lasting = bits_of({Problem::Kind::frozen, Problem::Kind::elastic});
 /// Calls f(kind) for all that went wrong.
 template <class F>
 void for_troubles(Troubles troubles, F&& f) {

@@ -174,7 +174,7 @@ void Step::solve(StepReport& report) {
   active_.clear();
   visited_.clear();
   for (Task& task : sleep_.tasks())
-    if (task.asleep) task.troubles = lasting(task.troubles);
+    if (task.asleep) task.troubles &= lasting;
   if (!sleep_.all_asleep()) {
     const std::span<Task> tasks = sleep_.tasks();
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {
@@ -198,11 +198,16 @@ void Step::solve(StepReport& report) {
     for (const std::uint32_t s : visited_) compiled_.solvers[s]->begin_step(dt_, team);
     for (const std::uint32_t s : visited_)
       if (Solver& solver = *compiled_.solvers[s]; solver.wants_team()) advance_with_team(s, solver, team);
-    if (contact) contact->for_team_pieces(team, [&](std::uint32_t piece) { advance(*contact, piece, 0); });
+    const auto advance_cluster = [&](std::uint32_t piece, unsigned part) {
+      const StepReport before = reports_[part];
+      advance(*contact, piece, part);
+      contact->tell(piece, troubles_between(before, reports_[part]));
+    };
+    if (contact) contact->for_team_pieces(team, [&](std::uint32_t piece) { advance_cluster(piece, 0); });
     const auto tasks = static_cast<std::uint32_t>(active_.size());
     team.for_each(tasks + clusters, [&](std::uint32_t i, unsigned part) {
       if (i < tasks) return advance(sleep_.tasks()[active_[i]], part);
-      if (!contact->is_for_team(i - tasks, team.parts())) advance(*contact, i - tasks, part);
+      if (!contact->is_for_team(i - tasks, team.parts())) advance_cluster(i - tasks, part);
     });
   });
   for (const StepReport& of_part : reports_) report += of_part;
@@ -353,28 +358,6 @@ bool Step::is_broken(std::uint32_t rod) const {
   if (is_known_to_contact(rod) && compiled_.contact->has_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
-}
-
-Array<Problem> Step::problems(double most_strain) const {
-  Array<Problem> out;
-  Array<Troubles> troubles;
-  for (const Task& task : sleep_.tasks()) troubles.push_back(task.troubles);
-  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
-    const auto places = compiled_.places.of(particle);
-    if (anchors_.is_fixed(particle) || places.empty()) continue;
-    const auto task = sleep_.task_of(compiled_.solvers, places.front());
-    if (!task) continue;
-    append_problems(std::exchange(troubles[*task], 0), particle, out);
-  }
-  rods_.judge(
-      most_strain, [&](std::uint32_t particle) { return position(particle); },
-      [&](std::uint32_t rod, double distance) {
-        const double strain = distance / lengths_.length(rod) - 1;
-        const auto places = compiled_.cords.of(rod);
-        return places.empty() ? strain : solver(places.front()).strain(places.front().slot, strain);
-      },
-      [&](std::uint32_t rod) { return is_broken(rod); }, out);
-  return out;
 }
 
 }  // namespace plumb::detail

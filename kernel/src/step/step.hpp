@@ -213,7 +213,6 @@ class Step : public InMemory {
     std::string_view name;
   };
   static const Stage all_stages[];
-
   bool always() const { return true; }
   bool has_events() const { return settings_.events; }
 
@@ -224,7 +223,8 @@ class Step : public InMemory {
   void sleep(StepReport& report);
   void measure(StepReport& report);
   void list_events(StepReport& report);
-
+  void list_troubles(bool also_lasting, Array<Troubles>& out) const;
+  std::size_t troubles_at(std::uint32_t particle) const;
   void reserve();
   void describe();
   void archive_rules(Archive& archive);

@@ -278,6 +278,20 @@ Vec3 mean_velocity(const LinkageState& state) {
 
 }  // namespace
 
+void LinkageState::take_troubles(Troubles of_cluster, bool others) {
+  constexpr Troubles of_one = bits_of({Problem::Kind::frozen, Problem::Kind::elastic});
+  unsigned own = others ? of_cluster & ~of_one : 0u;
+  if (frozen) own |= of_cluster & bits_of({Problem::Kind::frozen});
+  if (strain != Strain::none) own |= bits_of({Problem::Kind::elastic});
+  troubles = static_cast<Troubles>(own);
+}
+
+Troubles LinkageState::troubles_now(bool also_lasting) const {
+  unsigned out = asleep ? 0u : troubles;
+  if (also_lasting) out |= (troubles & lasting) | (frozen ? bits_of({Problem::Kind::frozen}) : 0u);
+  return static_cast<Troubles>(out);
+}
+
 void LinkageState::follow_slowness(bool is_slow, double dt) {
   if (is_slow && slow_time == 0) slow_from = mean_velocity(*this);
   slow_time = is_slow ? slow_time + dt : 0;

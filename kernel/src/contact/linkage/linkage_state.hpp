@@ -9,6 +9,7 @@
 #include "contact/lengths/rod_lengths.hpp"
 #include "contact/linkage/linkage.hpp"
 #include "contact/shapes/bounds.hpp"
+#include "interface/problems.hpp"
 #include "plumb/layouts/memory.hpp"
 #include "plumb/settings.hpp"
 #include "time/leftovers.hpp"
@@ -75,6 +76,7 @@ struct LinkageState : LinkageMotion {
   Gradient gradient = Gradient::old;  ///< where it is solved
   bool factored = false;
   bool is_pushed_out = false;     ///< solved contacts took back overlaps in the last substep
+  Troubles troubles = 0;          ///< what went wrong in its last step awake
   Array<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
   Array<double> wave_inertia;     ///< kg, of taut rods in the substep under way; see find_wave_inertia()
   Array<double> turning;          ///< kg, of taut rods in the matrix of gradient mid, or none
@@ -96,6 +98,11 @@ struct LinkageState : LinkageMotion {
   /// Goes on from a motion that was copied from motion().
   void return_to(const LinkageMotion& motion);
 
+  /// Takes from what went wrong with its cluster in a step what is the island's own, and with `others` what
+  /// is of no certain one.
+  void take_troubles(Troubles of_cluster, bool others);
+  /// Returns what went wrong in the last step if it is awake, and what lasts of it with `also_lasting`.
+  Troubles troubles_now(bool also_lasting) const;
   /// Notes at the end of a step of dt (s) whether it is slow.
   void follow_slowness(bool is_slow, double dt);
   /// Returns how much its mean velocity (m/s) changes in a time (s), if it goes on as since it is slow.
@@ -316,7 +323,8 @@ void visit_members(Archive& archive, Linkage::AngleRule& of) {
 /// What a program and steps change beside the motion. Factors are made anew.
 template <class Archive>
 void visit_members(Archive& archive, LinkageState& of) {
-  archive(of.motion(), of.force, of.laws, of.gives, of.angle_rules, of.wave_inertia, of.wave_inertia_at);
+  archive(of.motion(), of.force, of.laws, of.gives, of.angle_rules, of.troubles, of.wave_inertia,
+          of.wave_inertia_at);
   if (archive.restores()) of.factored = false;
 }
 

@@ -55,22 +55,37 @@ class SmallBlocks {
     const Hold hold(*this);
     keep(at, bytes);
   }
-  /// Cuts from a large block from now on, and keeps what is left of the last one.
+  /// Cuts from a large block from now on, whose first grain it needs itself, and keeps what is left of the
+  /// last one.
   void add(void* large, std::size_t bytes) noexcept {
     const Hold hold(*this);
+    large_ = ::new (large) Large{large_, bytes};
     while (left_ > 0) {
       const std::size_t piece = std::min(left_, most);
       keep(rest_, piece);
       rest_ += piece;
       left_ -= piece;
     }
-    rest_ = static_cast<std::byte*>(large);
-    left_ = bytes;
+    rest_ = static_cast<std::byte*>(large) + grain;
+    left_ = bytes - grain;
+  }
+  /// Returns the large blocks to who gave them, of whose small ones none may be in use.
+  template <typename GiveBack>
+  void end(const GiveBack& give_back) {
+    while (large_) {
+      const Large large = *large_;
+      give_back(large_, large.bytes);
+      large_ = large.before;
+    }
   }
 
  private:
   struct Free {
     Free* next;
+  };
+  struct Large {
+    Large* before;
+    std::size_t bytes;
   };
   class Hold {
    public:
@@ -92,7 +107,8 @@ class SmallBlocks {
 
   std::atomic_flag is_held_;
   std::array<Free*, most / grain + 1> first_{};  ///< [size / grain]
-  std::byte* rest_ = nullptr;                    ///< of the large block that was added last
+  Large* large_ = nullptr;                       ///< the large block that was added last
+  std::byte* rest_ = nullptr;                    ///< of that
   std::size_t left_ = 0;                         ///< B of it
 };
 

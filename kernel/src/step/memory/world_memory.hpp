@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <new>
 #include <optional>
 #include <utility>
@@ -24,11 +23,7 @@ class WorldMemory final : public Memory {
   explicit WorldMemory(MemoryResource* from) : from_(from) {}
 
   ~WorldMemory() {
-    while (large_) {
-      const Large large = *large_;
-      give_back(large_, large.bytes, SmallBlocks::grain);
-      large_ = large.before;
-    }
+    small_.end([&](void* at, std::size_t bytes) { give_back(at, bytes, SmallBlocks::grain); });
   }
   WorldMemory(const WorldMemory&) = delete;
   WorldMemory& operator=(const WorldMemory&) = delete;
@@ -88,21 +83,11 @@ class WorldMemory final : public Memory {
   void add_large() {
     const std::size_t bytes =
         std::clamp(SmallBlocks::rounded(held() / 32), 2 * SmallBlocks::most, 32 * SmallBlocks::most);
-    void* const at = get(bytes, SmallBlocks::grain);
-    const std::lock_guard lock(adding_);
-    large_ = ::new (at) Large{large_, bytes};
-    small_.add(static_cast<std::byte*>(at) + SmallBlocks::grain, bytes - SmallBlocks::grain);
+    small_.add(get(bytes, SmallBlocks::grain), bytes);
   }
-
-  struct Large {
-    Large* before;
-    std::size_t bytes;
-  };
 
   MemoryResource* const from_;
   SmallBlocks small_;
-  std::mutex adding_;
-  Large* large_ = nullptr;  ///< The last that small ones were cut from.
   std::atomic<std::size_t> held_{0};
   struct Bytes {
     std::size_t held, most, needed;

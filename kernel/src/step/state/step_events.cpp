@@ -1,4 +1,4 @@
-// This file says to Events what becomes of a world's islands.
+// This file tells what becomes of a world's islands, and what went wrong with them.
 
 #include <algorithm>
 #include <optional>
@@ -28,7 +28,7 @@ void Step::find_heads(std::span<const std::uint32_t> particles) {
     if (seen.emplace(place.solver, solver(place).island_of(place.slot)).second)
       events_.set_head(particle, is_asleep(particle));
   }
-  events_.reserve(breaks_.weak().size(), sleep_.tasks().size());
+  events_.reserve(breaks_.weak().size(), sleep_.tasks().size() + contact_islands());
 }
 
 /// Returns of each of the particles of whole islands whether its island was asleep at the end of the last
@@ -52,6 +52,25 @@ Array<std::uint8_t> Step::were_asleep(std::span<const std::uint32_t> particles) 
   return out;
 }
 
+/// Lists what went wrong with tasks, and then with islands that the contact solver has. What goes on while
+/// they sleep is told of those that are asleep only if `also_lasting`.
+void Step::list_troubles(bool also_lasting, Array<Troubles>& out) const {
+  out.clear();
+  for (const Task& task : sleep_.tasks()) {
+    const unsigned hidden = task.asleep && !also_lasting ? lasting : 0u;
+    out.push_back(static_cast<Troubles>(task.troubles & ~hidden));
+  }
+  for (std::uint32_t i = 0; i < contact_islands(); ++i)
+    out.push_back(compiled_.contact->troubles(i, also_lasting));
+}
+
+/// Returns where list_troubles() lists those of a movable particle.
+std::size_t Step::troubles_at(std::uint32_t particle) const {
+  const Place& place = *place_of(particle);
+  const auto task = sleep_.task_of(compiled_.solvers, place);
+  return task ? *task : sleep_.tasks().size() + compiled_.contact->island_of(place.slot);
+}
+
 /// Lists what became of islands and rods in this step.
 void Step::list_events(StepReport& report) {
   events_.clear();
@@ -64,19 +83,33 @@ void Step::list_events(StepReport& report) {
     for (const std::uint32_t rod : breaks_.weak())
       if (!events_.was_broken(rod) && is_broken(rod))
         events_.add_broken(rod, rods_.end(rod), breaks_.scene_now().rods[rod].law.strength);
-  const std::span<const Task> tasks = std::as_const(sleep_).tasks();
-  if (std::any_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.troubles != 0; })) {
+  if (troubles_between({}, report) != 0) {
     Array<Troubles>& troubles = events_.troubles();
-    troubles.clear();
-    // What lasts through sleep is told while its island is awake.
-    for (const Task& task : tasks)
-      troubles.push_back(static_cast<Troubles>(task.troubles & ~(task.asleep ? lasting(task.troubles) : 0u)));
+    list_troubles(false, troubles);
     events_.for_heads([&](std::uint32_t head) {
-      if (const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(head).front()))
-        events_.add_troubles(std::exchange(troubles[*task], 0), head);
+      events_.add_troubles(std::exchange(troubles[troubles_at(head)], 0), head);
     });
   }
   events_.sort();
+}
+
+Array<Problem> Step::problems(double most_strain) const {
+  Array<Problem> out;
+  Array<Troubles> troubles;
+  list_troubles(true, troubles);
+  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
+    if (anchors_.is_fixed(particle) || compiled_.places.of(particle).empty()) continue;
+    append_problems(std::exchange(troubles[troubles_at(particle)], 0), particle, out);
+  }
+  rods_.judge(
+      most_strain, [&](std::uint32_t particle) { return position(particle); },
+      [&](std::uint32_t rod, double distance) {
+        const double strain = distance / lengths_.length(rod) - 1;
+        const auto places = compiled_.cords.of(rod);
+        return places.empty() ? strain : solver(places.front()).strain(places.front().slot, strain);
+      },
+      [&](std::uint32_t rod) { return is_broken(rod); }, out);
+  return out;
 }
 
 }  // namespace plumb::detail
