@@ -35,6 +35,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
   turn(island);
   island.ground.begin_positions(loose_, tight_);
+  island.ground.follow_gaps(state, island.there);
   island.ground.look(linkage, island.d, true);
   if (!factor_on_ground(island, false)) return false;
   linkage.targets(island.directions(), island.d, island.there, state.lengths.squares(), right);

@@ -141,12 +141,29 @@ void GroundContacts::begin_velocities() {
   }
 }
 
+/// Returns where a line at x is close to round ground, which has moved by `carried` (m).
+Touch GroundContacts::near_round(const LinkageState& state, const GroundContact& contact,
+                                 std::span<const Vec3> x, Vec3 carried) {
+  const Linkage::Shape& shape = state.linkage->shape_of(contact.shape);
+  return touch({shape.a.of(x) - carried, shape.b.of(x) - carried, shape.radius}, *contact.more->round);
+}
+
+void GroundContacts::follow_gaps(const LinkageState& state, std::span<const Vec3> there) {
+  for (Row& row : rows_) {
+    const GroundContact& contact = row.contact;
+    if (!contact.more->round) continue;
+    const Vec3 moved = contact.at.of(there) - contact.at.of(state.x) - row.carried;
+    const double taken_straight = contact.more->apart + dot(contact.normal, moved);
+    row.gap = contact.gap + near_round(state, contact, there, row.carried).gap - taken_straight;
+  }
+}
+
 void GroundContacts::follow_round(const LinkageState& state) {
   for (Row& row : rows_) {
     GroundContact& contact = row.contact;
     if (!contact.more->round) continue;
     const Linkage::Shape& shape = state.linkage->shape_of(contact.shape);
-    const Touch near = touch({shape.a.of(state.x), shape.b.of(state.x), shape.radius}, *contact.more->round);
+    const Touch near = near_round(state, contact, state.x, {});
     if (!(near.a > 0 && near.a < 1)) continue;
     contact.at = terms_.keep(blend(shape.a, shape.b, near.a));
     contact.normal = near.normal;

@@ -21,6 +21,7 @@ struct GroundContact {
     /// The capsule of the ground that the shape's line touches between its ends, where the substep starts, if
     /// it does.
     std::optional<Segment> round{};
+    double apart = 0;  ///< m, from that capsule, where the substep starts
   };
   static const More no_more;
 
@@ -63,6 +64,9 @@ class GroundContacts {
   void begin_positions(bool is_loose, bool settles);
   /// Begins to solve for velocities at the end. Only what pushed on positions may push.
   void begin_velocities();
+  /// Lets gaps to round ground be those where the island is taken to, at `there` (m). A line that turns about
+  /// where it touches goes in, and what lets it sink while it rocks would rock it more and more.
+  void follow_gaps(const LinkageState& state, std::span<const Vec3> there);
   /// Lets contacts with round ground follow to where the island is at the end, at x. A line rocks there, and
   /// what pushed at the end where it touched at the start would shake it up.
   void follow_round(const LinkageState& state);
@@ -134,6 +138,8 @@ class GroundContacts {
     Vec3 across{};
   };
   Wanted wanted(const Row& row, Vec3 at) const;
+  static Touch near_round(const LinkageState& state, const GroundContact& contact, std::span<const Vec3> x,
+                          Vec3 carried);
   State state_at(const Row& row, Vec3 at) const;
   Vec3 law_at(const Row& row, Vec3 at, State as) const;
   Vec3 law_at(const Row& row, Vec3 at) const { return law_at(row, at, state_at(row, at)); }

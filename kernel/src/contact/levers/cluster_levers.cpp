@@ -136,19 +136,34 @@ bool ClusterStepper::touches_others(std::uint32_t i) const {
              [](const KeptContact& each) { return kind_of(each.key) == KeyKind::island; })) > few_touching;
 }
 
+/// Returns whether rods of an island pull so much that they rock on what is round about as fast as a substep
+/// of h (s) can follow, or faster.
+bool ClusterStepper::may_rock(std::uint32_t i, double h) const {
+  const LinkageState& state = *islands_[i].state;
+  double stiffest = 0, lightest = INFINITY;
+  for (const double each : state.stiffness) stiffest = std::max(stiffest, each);
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+    lightest = std::min(lightest, state.linkage->mass_of(k));
+  return h * h * stiffest > rocks * lightest;
+}
+
 /// Turns contacts with ground into rows if they are few, or no more than can be swept where that is needed.
+/// Rods that rock on what is round are held in the island's matrix alone, since rows keep to where they
+/// touched.
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
-  bool may_stand = !linkage.is_redundant() && !touches_others(i);
+  bool may_stand = !linkage.is_redundant() && !touches_others(i), is_round = false;
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.more->rolling == 0 && contact.more->spinning == 0;
+    is_round = is_round || contact.more->round;
   });
   // Where cables go slack and come taut, pushes are found more surely one after the other.
   const std::span<const ElasticLaw> laws = island.state->laws;
   const bool sweeps = sweeps_ground_ || std::any_of(laws.begin(), laws.end(),
                                                     [](const ElasticLaw& law) { return law.one_sided; });
-  if (may_stand && island.ground.size() > (sweeps ? most_swept_ground : few_on_ground)) return;
+  const std::size_t few = sweeps ? most_swept_ground : is_round && may_rock(i, h) ? 0 : few_on_ground;
+  if (may_stand && island.ground.size() > few) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const double radius = linkage.shape_of(contact.shape).radius;
     const ContactEnd end{i, contact.at, contact.shape, -radius * contact.normal};

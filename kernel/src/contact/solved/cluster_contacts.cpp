@@ -67,7 +67,8 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                                  .carried = carried.by,
                                  .carried_at_end = carried.at_end,
                                  .spin = b.rate ? b.rate->spin : Vec3{},
-                                 .round = b.round};
+                                 .round = b.round,
+                                 .apart = touch.gap};
   const bool has_more = more.rolling > 0 || more.spinning > 0 || b.rate || b.round;
   const GroundContact contact{.at = a.at,
                               .normal = touch.normal,

@@ -172,6 +172,9 @@ inline constexpr double rounding = 2;
 inline constexpr std::size_t few_on_ground = 16;
 /// Where these are not found there, up to so many are swept, too.
 inline constexpr std::size_t most_swept_ground = 128;
+/// Rods rock on round ground as stiffly as they pull across themselves: by pull / length, times the square of
+/// the substep. They are too stiff for rows where that is more than this share of the lightest mass.
+inline constexpr double rocks = 0.01;
 /// Steps along the edge of Coulomb's cone are shortened where they would overshoot by more than this share,
 /// as sweeps get rid of smaller ones as fast. With momentum all are.
 inline constexpr double most_overshoot = 0.5;
@@ -191,6 +194,8 @@ inline constexpr double ground_enough = 1e-7;
 inline constexpr int bounds_follow_for = 10;
 /// While they do, constraints may be violated by this share of their lengths.
 inline constexpr double most_disturbed = 1e-5;
+/// Gaps to round ground follow where lines are taken through so many. More of them would close in slowly.
+inline constexpr int gaps_follow_for = 8;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 

@@ -76,7 +76,10 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   const double wanted = island.theta == 0.5 ? exact_if_mid : state.laws.empty() ? exact : exact_if_elastic;
   progress.violation = std::max(progress.violation, violation);
   progress.to_do = std::max(progress.to_do, violation / wanted);
-  if (on_ground) island.ground.look(linkage, island.d, correction < bounds_follow_for);
+  if (on_ground) {
+    if (correction < gaps_follow_for) island.ground.follow_gaps(state, island.there);
+    island.ground.look(linkage, island.d, correction < bounds_follow_for);
+  }
   const bool lacks = on_ground && island.ground.lack() > ground_enough;
   progress.lacks = progress.lacks || lacks;
   if (violation <= wanted && !lacks) return true;

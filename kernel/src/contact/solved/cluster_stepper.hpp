@@ -210,6 +210,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
   bool touches_others(std::uint32_t i) const;
+  bool may_rock(std::uint32_t i, double h) const;
   void spread_ground(std::uint32_t i, double h);
   void note_touch(const GroundContact& contact, std::span<const ContactEnd> ends);
   void add_contact_rows(const GroundContact& contact, std::span<const ContactEnd> ends, double h);
