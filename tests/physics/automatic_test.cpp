@@ -31,7 +31,7 @@ TEST(Automatic, PicksByShape) {
   EXPECT_GT(direct_rods("ring"), 0u);
   EXPECT_GT(direct_rods("truss:bays=30"), 0u);
   EXPECT_GT(direct_rods("net:width=40,height=40"), 0u);
-  EXPECT_EQ(direct_rods("net:width=200,height=200"), 0u);
+  EXPECT_EQ(direct_rods("net:width=400,height=400"), 0u);
 }
 
 // Relaxation cannot represent the mass of a rod, so heavy rods are solved directly, however wide the island.
@@ -111,7 +111,7 @@ struct Mixed {
   std::uint32_t chain_begin, chain_end;
 };
 Mixed mixed() {
-  Mixed out{scenes::load_scene("net:width=160,height=160"), 0, 0};
+  Mixed out{scenes::load_scene("net:width=320,height=320"), 0, 0};
   Scene& scene = out.scene;
   std::uint32_t fixed = 0;
   while (!scene.particles[fixed].fixed) ++fixed;
@@ -136,7 +136,7 @@ TEST(Automatic, PartsMoveAsTheyDoAlone) {
   EXPECT_EQ(world.info().relaxed_rods, both.scene.rods.size() - 6);
   EXPECT_EQ(world.info().islands, 2u);
 
-  Scene net = scenes::load_scene("net:width=160,height=160");
+  Scene net = scenes::load_scene("net:width=320,height=320");
   std::uint32_t fixed = 0;
   while (!net.particles[fixed].fixed) ++fixed;
   World relaxed(net, {.method = Method::relax});

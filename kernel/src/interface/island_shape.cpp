@@ -9,9 +9,11 @@ namespace {
 /// trusses are thin, nets are not. A larger value factorises more islands, and solves fewer by lines.
 constexpr std::size_t thin_layer = 12;
 
-/// An island is vast if its particles times the square of its widest layer are more. That is the work of a
-/// factorisation up to a factor, and nets of up to 150 x 150 particles stay below.
-constexpr double vast_work = 5e8;
+/// An island is vast if two measures of the work of a factorisation are more than these. One counts it layer
+/// by layer: particles times the square of the widest layer. The other has the widest layer as the largest of
+/// many that dissect it: its cube, and its product with the particles. Nets stay below up to 300 x 300
+/// particles, and solids up to 20 x 20 x 20.
+constexpr double vast_by_layers = 5e8, vast_dissected = 6e7;
 
 /// Returns the number of particles in the widest layer. A layer holds the particles at one distance in rods
 /// from an end of the island. It takes linear time.
@@ -49,7 +51,8 @@ bool is_thin(const layouts::Graph& island) {
 
 bool is_vast(const layouts::Graph& island) {
   const auto layer = static_cast<double>(widest_layer(island));
-  return layer * layer * island.vertices > vast_work;
+  return layer * layer * island.vertices > vast_by_layers &&
+         layer * (layer * layer + island.vertices) > vast_dissected;
 }
 
 bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods) {
