@@ -106,6 +106,12 @@ TEST(Report, HasEveryField) {
                                                  "contact"}));
   EXPECT_EQ(keys(report["settings"]), (std::set<std::string>{"method",
                                                              "duration",
+                                                             "winch",
+                                                             "most_work",
+                                                             "sleep_time",
+                                                             "length_scale",
+                                                             "tensions",
+                                                             "contacts",
                                                              "dt",
                                                              "substeps",
                                                              "sweeps",

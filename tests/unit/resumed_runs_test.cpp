@@ -166,13 +166,23 @@ TEST_F(SavedRuns, AreRefusedByTheSettingThatDiffers) {
   const std::string scene_of = "; it was saved of the scene \"chain:links=8\"";
   RunPlan other = plan;
   other.dt = 1.0 / 50;
-  EXPECT_TRUE(refused(other).starts_with(file + ": is of a run with another dt: 0.01666")) << refused(other);
+  EXPECT_TRUE(refused(other).starts_with(file + ": is of a run with another --dt: 0.01666"))
+      << refused(other);
   other = plan;
   other.settings.substeps = 3;
-  EXPECT_EQ(refused(other), file + ": is of a run with another substeps: 1, and not 3" + scene_of);
+  EXPECT_EQ(refused(other), file + ": is of a run with another --substeps: 1, and not 3" + scene_of);
   other = plan;
   other.rates = {{.rod = 3, .rate = -0.05}};
-  EXPECT_EQ(refused(other), file + ": is of a run with another winch: \"\", and not \"3:-0.05\"" + scene_of);
+  EXPECT_EQ(refused(other),
+            file + ": is of a run with another --winch: \"\", and not \"3:-0.05\"" + scene_of);
+  // The gradient follows from the method, which is named.
+  other = plan;
+  other.settings.method = Method::relax;
+  EXPECT_EQ(refused(other),
+            file + ": is of a run with another --method: \"auto\", and not \"relax\"" + scene_of);
+  other = plan;
+  other.settings.most_work = 100;
+  EXPECT_EQ(refused(other), file + ": is of a run with another --most-work: 20000, and not 100" + scene_of);
   EXPECT_EQ(test::refusal([&] { scenes::run_scene(scenes::make_chain(9, 0.1, 10), plan); }),
             file + ": snapshot: is of another scene" + scene_of);
 }

@@ -49,6 +49,8 @@ class Json {
 
   /// Returns the member of that name. A new one is null, and what was null becomes an object.
   Json& operator[](std::string_view key);
+  /// Returns the names of an object's members, in their order.
+  const std::vector<std::string>& keys() const { return keys_; }
   /// Takes over all members of another object.
   void update(const Json& object);
   /// Appends an item. What was null becomes an array.

@@ -1,5 +1,6 @@
 #include "scenes/runs/report.hpp"
 
+#include "scenes/basics/lists.hpp"
 #include "scenes/runs/counters.hpp"
 
 namespace plumb::scenes {
@@ -79,12 +80,19 @@ Json machine_json(const Machine& machine) {
 
 Json settings_json(const RunPlan& plan) {
   const Settings& s = plan.settings;
+  std::string winches;
+  for (const auto& [rod, rate] : plan.rates)
+    append_item(winches, Json(rod).dump() + ":" + Json(rate).dump(), ",");
   return {{"method", to_string(s.method)},
           {"duration", plan.duration},
           {"dt", plan.dt},
+          {"winch", winches},
           {"substeps", s.substeps},
           {"time_order", s.time_order},
           {"accuracy", s.accuracy},
+          {"most_work", s.most_work},
+          {"sleep_time", s.sleep_time},
+          {"length_scale", s.contact.length_scale},
           {"sweeps", s.stop.sweeps},
           {"tolerance", s.stop.tolerance},
           {"budget_us", s.stop.budget_us},
@@ -100,6 +108,8 @@ Json settings_json(const RunPlan& plan) {
           {"damping_ratio", s.springs.damping_ratio},
           {"stabilization", to_string(s.multipliers.stabilization)},
           {"baumgarte_rate", s.multipliers.baumgarte_rate},
+          {"tensions", s.tensions},
+          {"contacts", s.contacts},
           {"layout", to_string(s.layout)},
           {"precision", to_string(s.precision)},
           {"threads", s.threads},

@@ -15,9 +15,18 @@
 namespace plumb::scenes {
 namespace {
 
+/// The version of what stands behind a snapshot.
+constexpr int text_version = 2;
+
 bool may_differ(std::string_view setting) {
-  constexpr std::array names{"scene", "duration", "step_budget_us", "threads", "isa"};
+  constexpr std::array names{"duration", "step_budget_us", "threads", "isa"};
   return std::find(names.begin(), names.end(), setting) != names.end();
+}
+
+/// Returns the option of a setting, which a report spells with other dashes.
+std::string option_of(std::string setting) {
+  std::replace(setting.begin(), setting.end(), '_', '-');
+  return "--" + setting;
 }
 
 /// Returns how many bytes the snapshot takes that a file begins with, as it says itself (kernel/README.md).
@@ -32,29 +41,32 @@ std::size_t snapshot_size(std::string_view file) {
 
 /// Refuses the text of another run than that of the plan.
 void require_same_run(std::string_view text, const RunPlan& plan) {
-  const auto then = members_of(text), now = members_of(run_text("", plan));
-  if (then.empty())
+  const auto then = members_of(text);
+  const auto version = then.find("plumb_run");
+  if (version == then.end())
     throw InputError("is cut off, or damaged: what stands behind the snapshot does not say what was run");
-  for (const auto& [name, value] : now) {
+  if (version->second != std::to_string(text_version))
+    throw InputError("has version " + version->second +
+                     " of what stands behind the snapshot, and this plumb reads " +
+                     std::to_string(text_version));
+  const Json now = settings_json(plan);
+  const auto values = members_of(now.dump());
+  // What others follow from, as the gradient does from the method, stands before them.
+  for (const std::string& name : now.keys()) {
     if (may_differ(name)) continue;
     const auto it = then.find(name);
     if (it == then.end()) throw InputError("is damaged: it does not say what " + name + " was");
-    if (it->second != value)
-      throw InputError("is of a run with another " + name + ": " + it->second + ", and not " + value);
+    if (it->second != values.at(name))
+      throw InputError("is of a run with another " + option_of(name) + ": " + it->second + ", and not " +
+                       values.at(name));
   }
 }
 
 }  // namespace
 
 std::string run_text(std::string_view scene, const RunPlan& plan) {
-  Json json{{"plumb_run", 1}, {"scene", scene}};
+  Json json{{"plumb_run", text_version}, {"scene", scene}};
   json.update(settings_json(plan));
-  json["tensions"] = plan.settings.tensions;
-  json["contacts"] = plan.settings.contacts;
-  std::string winches;
-  for (const auto& [rod, rate] : plan.rates)
-    winches += (winches.empty() ? "" : ",") + Json(rod).dump() + ":" + Json(rate).dump();
-  json["winch"] = winches;
   return json.dump_indented() + "\n";
 }
 
