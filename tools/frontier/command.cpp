@@ -100,14 +100,14 @@ Table target_table(const Result& result) {
     double fixed = std::numeric_limits<double>::infinity();
     for (const std::string& family : families) {
       const Point* point = cheapest(result.points, target, family);
-      row.push_back(point ? plain_number(point->ms) : "-");
+      row.push_back(point ? plain_number(point->ms) : no_value);
       if (point && (family == "direct" || family == "relax" || family == "over-relaxed"))
         fixed = std::min(fixed, point->ms);
     }
     const Point* picked = cheapest(result.points, target, "auto");
     row.push_back(best->setting);
-    row.push_back(picked && std::isfinite(fixed) ? plain_number(picked->ms / fixed) : "-");
-    row.push_back(picked ? picked->picked + ": " + picked->setting : "-");
+    row.push_back(picked && std::isfinite(fixed) ? plain_number(picked->ms / fixed) : no_value);
+    row.push_back(picked ? picked->picked + ": " + picked->setting : no_value);
     table.add_row(row);
   }
   return table;
@@ -279,8 +279,8 @@ void publish(const FrontierOptions& options, const std::vector<Result>& results)
     section.add_chart(folder, "frontier_" + r.problem.name, chart_of(r));
     section.add_table(target_table(r));
   }
-  section.publish(folder);
   section.publish_alone(folder);
+  section.publish(folder);
 }
 
 int run_frontier(FrontierOptions options) {

@@ -55,7 +55,7 @@ std::optional<double> rest_difference(const HumanoidComparison& c) {
 }
 
 std::string percent(const std::optional<double>& share) {
-  return share ? plain_number(100 * *share, 2) + " %" : "-";
+  return share ? plain_number(100 * *share, 2) + " %" : no_value;
 }
 
 scenes::Json run_json(const HumanoidRun& run) {
@@ -132,7 +132,8 @@ std::pair<const HumanoidComparison*, const HumanoidComparison*> pair_of(
 }
 
 Table claims_table(const std::vector<HumanoidComparison>& all) {
-  Table table({"figure", "the thesis", "distances", "energies", "agrees"});
+  const std::string substeps = ", " + std::to_string(finer) + " × substeps";
+  Table table({"figure", "the thesis", "distances" + substeps, "energies" + substeps, "agrees"});
   for (const Claim& claim : claims) {
     const auto [first, second] = pair_of(all, claim.figure);
     const HumanoidMeasure& a = first->fine;
@@ -196,7 +197,7 @@ Table run_table(const HumanoidRun& run, const HumanoidResult& r) {
   Table table({"humanoid", run_title(run)});
   table.add_row({"hit", r.hit ? "yes" : "no, the ball missed"});
   table.add_row({"distance", metres(r.distance)});
-  table.add_row({"time to rest", r.hit ? rest_text(r.time_to_rest) : "-"});
+  table.add_row({"time to rest", r.hit ? rest_text(r.time_to_rest) : no_value});
   table.add_row({"energy received", plain_number(r.energy_received) + " J"});
   table.add_row(
       {"energy", short_number(r.energy_before) + " J before, " + short_number(r.energy_after) + " J after"});
@@ -333,11 +334,7 @@ void add_number_within(Command& command, const std::string& name, double& target
 }
 
 Option add_seed(Command& command, std::uint64_t& seed) {
-  const auto take = [&seed](const std::string& text) {
-    const auto value = scenes::parse_number<std::uint64_t>(text);
-    if (!value) throw BadValue("'" + text + "' is not a whole number");
-    seed = *value;
-  };
+  const auto take = [&seed](const std::string& text) { seed = whole_number<std::uint64_t>(text, {}); };
   return command.add_option(
       "--seed", "N", take,
       "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]");

@@ -40,6 +40,8 @@ table { overflow-x: auto; background: linear-gradient(90deg, var(--back) 1.5rem,
   linear-gradient(270deg, var(--back) 1.5rem, transparent) 100% 0 / 3rem 100% local no-repeat,
   linear-gradient(90deg, var(--shade), transparent) 0 0 / 0.7rem 100% scroll no-repeat,
   linear-gradient(270deg, var(--shade), transparent) 100% 0 / 0.7rem 100% scroll no-repeat; }
+/* Wide ones reach to the edge of a window that is wider than the text. */
+@media (min-width: 64rem) { table { width: max-content; max-width: calc(50vw + 29rem); } }
 /* Pictures are files of their own, too, and white in the dark. */
 svg { display: block; max-width: 100%; height: auto; background: #fff; border-radius: 4px; }
 .made { font-size: 0.85rem; color: var(--soft); background: var(--card); padding: 0.6rem 1rem; border-radius: 4px; max-width: none; }
@@ -67,6 +69,8 @@ code { font-size: 0.9em; }
 <p>What this build measures on this machine.</p>
 )";
 
+constexpr const char* page_end = "</body>\n</html>\n";
+
 /// Stands in a section where a link to its live page comes, if there is one.
 constexpr std::string_view live_mark = "<!--live-->";
 
@@ -93,6 +97,15 @@ std::string inline_svg(std::string svg, const std::string& prefix) {
     }
   }
   return svg;
+}
+
+/// Returns the line of the contents for a section: a link to it, and to the page that it has alone, if any.
+std::string content_item(const std::string& section, const std::filesystem::path& folder,
+                         const std::string& name) {
+  const std::size_t begin = section.find("<h2>") + 4, end = section.find("</h2>");
+  const bool stands_alone = std::filesystem::exists(folder / (name + ".html"));
+  return "<li><a href=\"#" + name + "\">" + section.substr(begin, end - begin) + "</a>" +
+         (stands_alone ? ", <a href=\"" + name + ".html\">its own page</a>" : "") + "</li>\n";
 }
 
 }  // namespace
@@ -153,15 +166,18 @@ void Section::publish(const std::filesystem::path& folder) const {
   std::sort(files.begin(), files.end(), [](const auto& l, const auto& r) {
     return std::pair(l.stem() != "thesis", l.stem()) < std::pair(r.stem() != "thesis", r.stem());
   });
-  std::string page = page_head;
-  for (const auto& file : files) page += with_live(scenes::read_file(file), folder, file.stem().string());
-  scenes::write_file(folder / "index.html", page + "</body>\n</html>\n");
+  std::string contents, all;
+  for (const auto& file : files) {
+    const std::string section = scenes::read_file(file), name = file.stem().string();
+    contents += content_item(section, folder, name);
+    all += with_live(section, folder, name);
+  }
+  scenes::write_file(folder / "index.html", page_head + ("<ul>\n" + contents + "</ul>\n") + all + page_end);
 }
 
 void Section::publish_alone(const std::filesystem::path& folder) const {
   make_folder(folder);
-  scenes::write_file(folder / (name_ + ".html"),
-                     page_head + with_live(text(), folder, name_) + "</body>\n</html>\n");
+  scenes::write_file(folder / (name_ + ".html"), page_head + with_live(text(), folder, name_) + page_end);
 }
 
 void make_folder(const std::filesystem::path& folder) {

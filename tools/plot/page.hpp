@@ -12,7 +12,7 @@ namespace plumb::tools {
 
 /// A section is one part of the results page. It shows headings, text, tables, charts and replays in the
 /// order in which they are added. A folder of results holds the sections of several commands. Its index.html
-/// shows them all and loads nothing from elsewhere.
+/// lists and shows them all, and loads nothing from elsewhere.
 class Section {
  public:
   /// `name` becomes the file's name and the link's target. `command` is what the user typed.
@@ -34,7 +34,8 @@ class Section {
 
   /// Writes the section into `folder`/sections, and index.html anew from all the sections there.
   void publish(const std::filesystem::path& folder) const;
-  /// Writes the section alone as a page of its own, `folder`/NAME.html.
+  /// Writes the section alone as a page of its own, `folder`/NAME.html. The contents of an index.html that is
+  /// written after it link that page, too.
   void publish_alone(const std::filesystem::path& folder) const;
 
  private:

@@ -5,6 +5,9 @@
 
 namespace plumb::tools {
 
+/// Stands in a cell that has no value.
+inline constexpr const char* no_value = "—";
+
 /// A table holds texts for a terminal or a page. The first column is set left, the others right.
 class Table {
  public:

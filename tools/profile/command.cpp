@@ -78,8 +78,8 @@ void publish(const ProfileOptions& options, const Profile& profile) {
   section.add_heading("Method direct");
   section.add_text(direct_text);
   section.add_table(direct_table(profile));
-  section.publish(folder);
   section.publish_alone(folder);
+  section.publish(folder);
 }
 
 int profile(const ProfileOptions& options) {

@@ -9,7 +9,6 @@
 namespace plumb::tools {
 namespace {
 
-constexpr const char* not_available = "—";
 constexpr const char* lost_in_noise = "not measurable under this noise";
 
 std::string level_name(const Cache& cache) {
@@ -77,7 +76,7 @@ scenes::Json row_json(const ProfileRow& row, const CachePair& caches) {
 }  // namespace
 
 std::string count_cell(const std::optional<double>& value) {
-  if (!value) return not_available;
+  if (!value) return no_value;
   char buffer[400];
   const auto result = std::to_chars(buffer, buffer + sizeof buffer, *value, std::chars_format::fixed, 3);
   const std::string text(buffer, result.ptr);
@@ -85,7 +84,7 @@ std::string count_cell(const std::optional<double>& value) {
 }
 
 std::string number_cell(const std::optional<double>& value) {
-  if (!value) return not_available;
+  if (!value) return no_value;
   // Start-up differs by a few misses from run to run. Divided by many units that is no number to read.
   return *value < 5e-4 && *value > -5e-4 ? count_cell(value) : scenes::plain_number(*value);
 }
@@ -115,7 +114,7 @@ Table relax_table(const Profile& profile) {
         size_name(row.profile_case.size, profile.caches),
         std::string(to_string(row.profile_case.plan.settings.order)),
         row.layout + (row.is_auto ? " (auto)" : ""),
-        row.state_bytes ? scenes::plain_number(static_cast<double>(*row.state_bytes) / 1024) : not_available,
+        row.state_bytes ? scenes::plain_number(static_cast<double>(*row.state_bytes) / 1024) : no_value,
         scenes::plain_number(row.model_bytes)};
     append_counts(cells, row, counted_caches(profile));
     table.add_row(cells);

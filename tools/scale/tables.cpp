@@ -9,8 +9,6 @@ using scenes::append_item;
 using scenes::plain_number;
 using scenes::short_number;
 
-const std::string dash = "—";
-
 const ScaleCell* find_cell(const std::vector<ScaleCell>& cells, const ScaleSeries& series,
                            std::uint32_t links) {
   const auto it = std::find_if(cells.begin(), cells.end(), [&](const ScaleCell& cell) {
@@ -29,7 +27,7 @@ Table table_by_links(const ScaleOptions& options, const ScaleResults& results, Y
     std::vector<std::string> row{std::to_string(links)};
     for (const ScaleSeries& series : columns) {
       const ScaleCell* cell = find_cell(results.cells, series, links);
-      row.push_back(cell && cell->measured() ? plain_number(y(*cell)) : dash);
+      row.push_back(cell && cell->measured() ? plain_number(y(*cell)) : no_value);
     }
     table.add_row(row);
   }
@@ -37,7 +35,7 @@ Table table_by_links(const ScaleOptions& options, const ScaleResults& results, Y
 }
 
 std::string slope_text(const std::optional<double>& slope) {
-  return slope ? plain_number(*slope) : dash;
+  return slope ? plain_number(*slope) : no_value;
 }
 
 /// Says how many substeps a series took, such as "1" or "1 to 8".
@@ -88,7 +86,7 @@ Table slope_table(const ScaleOptions& options, const ScaleResults& results) {
     table.add_row({name_of(series), describe(settings_of(series, options)),
                    substeps_text(results.cells, series), short_number(links, 7),
                    slope_text(fit_longer_half(timings)), plain_number(1e9 * seconds / links),
-                   level > 0 ? short_number(level, 7) : dash, missing_text(results.cells, series)});
+                   level > 0 ? short_number(level, 7) : no_value, missing_text(results.cells, series)});
   }
   return table;
 }
@@ -102,8 +100,8 @@ Table relax_table(const ScaleResults& results) {
                    std::string(to_string(r.series.precision)), std::to_string(r.threads),
                    plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
                    plain_number(1e6 * r.median_s), plain_number(r.ns_per_rod()),
-                   is_whole(r) ? plain_number(100 * r.stretch.rms) + " %" : dash,
-                   is_whole(r) ? plain_number(100 * r.stretch.max) + " %" : dash});
+                   is_whole(r) ? plain_number(100 * r.stretch.rms) + " %" : no_value,
+                   is_whole(r) ? plain_number(100 * r.stretch.max) + " %" : no_value});
   }
   return table;
 }
@@ -112,7 +110,7 @@ Table five_links_table(const ScaleResults& results) {
   Table table({"five links", "thesis, frames/s", "here, frames/s", "stretch RMS"});
   for (const ScaleCell& r : results.five) {
     table.add_row({std::to_string(r.sweeps) + " sweeps, " + std::string(to_string(r.series.precision)),
-                   r.sweeps == 5 ? "597" : "30", r.measured() ? plain_number(r.frames_per_s()) : dash,
+                   r.sweeps == 5 ? "597" : "30", r.measured() ? plain_number(r.frames_per_s()) : no_value,
                    plain_number(100 * r.stretch.rms) + " %"});
   }
   return table;
@@ -132,7 +130,7 @@ Table error_table(const ScaleOptions& options, const ScaleResults& results, Chai
             return cell.family == family && cell.method == method && cell.links == links;
           });
       const bool met = it != results.errors.end() && it->cheapest;
-      row.push_back(met ? plain_number(1e3 * it->cheapest->ms / links) : dash);
+      row.push_back(met ? plain_number(1e3 * it->cheapest->ms / links) : no_value);
     }
     row.push_back(slope_text(fit_slope(timings_of(results.errors, family, method))));
     table.add_row(row);
@@ -146,8 +144,8 @@ Table setting_table(const ScaleResults& results, ChainFamily family) {
     if (cell.family != family) continue;
     const auto& best = cell.cheapest;
     table.add_row({std::to_string(cell.links), std::string(to_string(cell.method)),
-                   best ? best->setting : dash, best ? plain_number(best->ms) : dash,
-                   best ? plain_number(100 * best->error) + " %" : dash});
+                   best ? best->setting : no_value, best ? plain_number(best->ms) : no_value,
+                   best ? plain_number(100 * best->error) + " %" : no_value});
   }
   return table;
 }

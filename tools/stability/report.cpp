@@ -34,7 +34,7 @@ std::vector<std::string> summary_row(const MeasuredGrid& measured, const Stabili
     depth = std::max(depth, r.depth_max);
     drift = std::max(drift, r.energy_drift);
   }
-  const auto worst = [&](double value) { return survived ? short_number(value, 2) : std::string("-"); };
+  const auto worst = [&](double value) { return survived ? short_number(value, 2) : std::string(no_value); };
   const bool lands = scenes::is_landing(measured.grid.scene);
   return {std::string(to_string(measured.grid.scene)),
           method.name,
@@ -42,7 +42,7 @@ std::vector<std::string> summary_row(const MeasuredGrid& measured, const Stabili
           std::to_string(survived),
           std::to_string(slow),
           worst(stretch),
-          lands ? worst(depth) : "-",
+          lands ? worst(depth) : no_value,
           worst(drift),
           std::to_string(total.halvings),
           std::to_string(total.fallbacks),
@@ -135,8 +135,8 @@ void StabilityReport::publish(const std::string& folder) const {
     section.add_svg(folder, "stability_landings_stretch",
                     draw_svg(map_of_landings(landings, StabilityQuantity::stretch)));
   }
-  section.publish(folder);
   section.publish_alone(folder);
+  section.publish(folder);
 }
 
 }  // namespace plumb::tools

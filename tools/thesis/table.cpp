@@ -293,7 +293,7 @@ Table thesis_table(const std::vector<ThesisRow>& rows) {
   Table table({"five links, the last 2 kg", "thesis", "section", "here", "agrees"});
   for (const ThesisRow& row : rows)
     table.add_row(
-        {row.what, row.thesis, row.where, row.ours, row.agrees ? (*row.agrees ? "yes" : "no") : "—"});
+        {row.what, row.thesis, row.where, row.ours, row.agrees ? (*row.agrees ? "yes" : "no") : no_value});
   return table;
 }
 

@@ -60,7 +60,7 @@ struct Tally {
       out.push_back(std::to_string(each));
     out.push_back(short_number(worst_gain, 2));
     out.push_back(std::to_string(deep));
-    out.push_back(deep > 0 ? std::to_string(deepest_shot) : "-");
+    out.push_back(deep > 0 ? std::to_string(deepest_shot) : no_value);
     return out;
   }
 };
