@@ -5,6 +5,7 @@ usage: command_test.py PLUMB SCRATCH
 """
 import json
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -22,7 +23,21 @@ REFUSED = {
     "run chain --method springs --most-work 9": "--most-work: method springs does not read most work",
     "run chain --method springs --forces SCRATCH/forces.csv": "--forces: method springs does not read tensions",
     "run chain --length-scale 3": "--length-scale: nothing reads it",
-    "run chain --sleep-time 3": "--sleep-time: nothing reads it",
+    "run chain --out x": "no option '--out'; `plumb run --help` lists those there are\n",
+    "run chain --threads -1": "--threads: '-1' is not a whole number from 0 to 64\n",
+    "run chain --threads 1000": "--threads: '1000' is not a whole number from 0 to 64\n",
+    "run chain --most-work x": "--most-work: 'x' is not a whole number from 0 to 18446744073709551615\n",
+    "stability --shots 0": "--shots: '0' is not a whole number from 1 to 4294967295\n",
+    "stability --hangings 0": "--hangings: '0' is not a whole number from 1 to 4294967295\n",
+    "stability --scenes ropez": "--scenes: 'ropez' is not one of chains, nets, ropes, drapes, boxes. Did you mean ropes?",
+    "scale --methods relaxx": "--methods: 'relaxx' is not one of auto, relax, direct, springs, multipliers, featherstone. "
+    "Did you mean relax?",
+    "run humanoid:body=medum": "scene 'humanoid:body=medum': body must be one of thin, medium, wide, none, not 'medum'. "
+    "Did you mean medium?",
+    "run SCRATCH": "no scene 'SCRATCH': it is a folder, and the generators are ",
+    "run SCRATCH/empty.json": "SCRATCH/empty.json: the key 'plumb' (version of the format, 1) is missing\n",
+    "run chain --duration 2 --resume SCRATCH/chain.snapshot --method relax": "SCRATCH/chain.snapshot: is of a run with "
+    "another --method: \"auto\", and not \"relax\"",
     "run chain --save-at 1": "--save-at says when to write files",
     "info humanoid:body=thin --layout soa": "--layout: nothing reads it",
     "run chain --substep 4": "no option '--substep'; `plumb run --help` lists those there are. Did you mean --substeps?",
@@ -45,6 +60,11 @@ PRINTED = {
     "info SCRATCH/strained.json": "start      rods did not start at their lengths, rod 0 by 25 %",
     "run SCRATCH/strained.json --duration 0.1": "rod 0 by 25 %; particles moved by at most 0.1",
     "run SCRATCH/strained.json --duration 0.1 --method relax": "rod 0 by 25 %; steps move particles for that",
+    # What stands still sleeps without touching: the net hangs at rest from the start on.
+    "run net:width=4 --duration 0.4 --sleep-time 0.2": "islands that fell asleep: 1",
+    "run drop --duration 0.1": "direct    solved all at once, gradient ",
+    "run drop --duration 0.1 --method relax": "relax     gauss-seidel, gradient new",
+    "view --help": "`tools/setup --ports`",
     "info SCRATCH/bare.json": "shapes     2 movable particles have no shape (capsules, hulls), and will",
     "info chain:links=3": "bytes/projection",
     "run net:width=4 --help": "This scene, with its parameters as they are by default:\n  net:width=32,",
@@ -52,7 +72,25 @@ PRINTED = {
 }
 
 # What is typed, and what is not printed, since it would be empty or of no use.
-LEFT_OUT = {"info rope": "bytes/projection", "run net --help": "six rods with mass that branch"}
+LEFT_OUT = {
+    "info rope": "bytes/projection",
+    "run net --help": "six rods with mass that branch",
+    "run drop --duration 0.2": "stretch",
+    "run SCRATCH/nothing.json": "relax ",
+    "run net:width=4 --duration 0.4": "fell asleep",
+}
+
+# Options of `run` that are no settings: what is read, what is written, and what is printed.
+NO_SETTINGS = """--help --save-at --trajectory --forces --end-scene --vtk --gltf --save --save-every --resume --stages
+--truth --truth-tensions --report --replay --quiet""".split()
+# Some settings: the name in a report, what is typed, and the value in the report.
+SETTINGS = {
+    "--most-work": ("most_work", "500", 500),
+    "--sleep-time": ("sleep_time", "0.7", 0.7),
+    "--length-scale": ("length_scale", "2", 2),
+    "--winch": ("winch", "0:-0.1,2:0.5", "0:-0.1,2:0.5"),
+    "--contacts": ("contacts", "SCRATCH/contacts.csv", True),
+}
 
 # A rod above a plane, without a capsule.
 BARE = {
@@ -63,19 +101,38 @@ BARE = {
 }
 # A rod of 0.8 m between particles that are 1 m apart.
 STRAINED = {**BARE, "rods": [{"a": 0, "b": 1, "length": 0.8}], "planes": []}
+SCENES = {"bare": BARE, "strained": STRAINED, "empty": {}, "nothing": {"plumb": 1, "particles": []}}
+
+
+def run(plumb, typed, scratch):
+    words = typed.replace("SCRATCH", str(scratch)).split()
+    return subprocess.run([plumb, *words], capture_output=True, text=True, check=False)
+
+
+def complaints_of_report(plumb, scratch):
+    """Every option of `run` that sets something is in the report, with its value."""
+    options = re.findall(r"^  (?:-h,)?(--[\w-]+)", run(plumb, "run --help", scratch).stdout, re.MULTILINE)
+    typed = " ".join(f"{option} {value}" for option, (_, value, _) in SETTINGS.items())
+    run(plumb, f"run rope --duration 0.1 --report SCRATCH/report.json {typed}", scratch)
+    settings = json.loads((scratch / "report.json").read_text())["settings"]
+    spelled = {option: option[2:].replace("-", "_") for option in options} | {"--step-budget": "step_budget_us"}
+    missing = [option for option in options if option not in NO_SETTINGS and spelled[option] not in settings]
+    wrong = [option for option, (name, _, value) in SETTINGS.items() if settings.get(name) != value]
+    return [f"the report lacks {option}" for option in missing] + [f"the report is wrong of {option}" for option in wrong]
 
 
 def main():
     plumb, scratch = sys.argv[1], pathlib.Path(sys.argv[2])
     scratch.mkdir(parents=True, exist_ok=True)
-    for name, scene in {"bare": BARE, "strained": STRAINED}.items():
+    for name, scene in SCENES.items():
         (scratch / f"{name}.json").write_text(json.dumps(scene))
-    complaints = []
+    run(plumb, "run chain --save SCRATCH/chain.snapshot", scratch)
+    complaints = complaints_of_report(plumb, scratch)
     for typed in [*REFUSED, *PRINTED, *LEFT_OUT]:
-        words = typed.replace("SCRATCH", str(scratch)).split()
-        done = subprocess.run([plumb, *words], capture_output=True, text=True, check=False)
+        done = run(plumb, typed, scratch)
         if typed in REFUSED:
-            is_right = done.returncode == 2 and done.stderr.startswith("plumb: " + REFUSED[typed])
+            message = "plumb: " + REFUSED[typed].replace("SCRATCH", str(scratch))
+            is_right = done.returncode == 2 and done.stderr.startswith(message)
         else:
             is_said = typed in PRINTED and PRINTED[typed] in done.stdout
             is_said |= typed in LEFT_OUT and LEFT_OUT[typed] not in done.stdout

@@ -255,9 +255,9 @@ TEST(Generators, WhatIsWrongInASpecIsNamed) {
             "scene 'thesis5:links=3': no parameter 'links'; it takes none of its own, and of all scenes "
             "stiffness, damping, strength, cables");
   EXPECT_EQ(message_of("chain:links=2.5"),
-            "scene 'chain:links=2.5': links must be a whole number from 0 on, not '2.5'");
+            "scene 'chain:links=2.5': links must be a whole number in digits, below 2^32, not '2.5'");
   EXPECT_EQ(message_of("chain:links=-1"),
-            "scene 'chain:links=-1': links must be a whole number from 0 on, not '-1'");
+            "scene 'chain:links=-1': links must be a whole number in digits, below 2^32, not '-1'");
   EXPECT_EQ(message_of("chain:length=nan"), "scene 'chain:length=nan': length must be a number, not 'nan'");
   EXPECT_EQ(message_of("chain:links=0"), "scene 'chain:links=0': links must be at least 1");
   EXPECT_EQ(message_of("chain:end_mass=0"), "scene 'chain:end_mass=0': end_mass must be positive and finite");

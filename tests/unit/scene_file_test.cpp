@@ -381,7 +381,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {
   EXPECT_EQ(message_of("[]"), "f.json: the scene must be an object, not an array");
-  EXPECT_EQ(message_of("{}"), "f.json: plumb is missing");
+  EXPECT_EQ(message_of("{}"), "f.json: the key 'plumb' (version of the format, 1) is missing");
   EXPECT_EQ(message_of(R"({"plumb": 2})"), "f.json: plumb is the version of the format and must be 1, not 2");
   EXPECT_EQ(message_of(R"({"plumb": 1})"), "f.json: particles is missing");
   EXPECT_EQ(message_of(R"({"plumb": 1, "particles": {}})"),

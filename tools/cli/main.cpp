@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   const std::string footer =
       "Examples:\n"
       "  plumb run chain:links=20,end_mass=10 --method relax --substeps 8 --sweeps 20\n"
-      "  plumb run tools/scenes/net.json --method relax --tolerance 1e-3 --report net-report.json\n"
+      "  plumb run tools/scenes/net.json --method relax --tolerance 1e-2 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
       "  plumb view\n"
       "  plumb humanoid --experiments --out out\n"

@@ -85,9 +85,7 @@ void add_sweep_options(Command& command, Settings& settings) {
 
 void add_bounds(Command& command, Settings& settings) {
   const auto take_work = [&settings](const std::string& text) {
-    const auto value = scenes::parse_number<std::uint64_t>(text);
-    if (!value) throw BadValue("'" + text + "' is not a whole number");
-    settings.most_work = *value;
+    settings.most_work = whole_number<std::uint64_t>(text, {});
   };
   command.add_option("--most-work", "N", take_work,
                      "Newton steps, sweeps and substeps of an island in a frame, at most, beyond those that "
@@ -142,13 +140,8 @@ Option add_words(Command& command, const std::string& name, const std::vector<st
 }
 
 Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help,
-                 unsigned most) {
-  const auto take = [&target, most](const std::string& text) {
-    const auto value = scenes::parse_number<unsigned>(text);
-    if (!value) throw BadValue("'" + text + "' is not a whole number");
-    if (*value > most) throw BadValue(text + " is more than " + std::to_string(most));
-    target = *value;
-  };
+                 Whole<unsigned> range) {
+  const auto take = [&target, range](const std::string& text) { target = whole_number(text, range); };
   return command.add_option(name, "N", take, help);
 }
 
@@ -194,7 +187,8 @@ void add_layout_options(Command& command, Settings& settings) {
              "How particles lie in memory");
   add_choice(command, "--precision", settings.precision, {Precision::single, Precision::double_},
              "Arithmetic");
-  add_count(command, "--threads", settings.threads, "Threads; 0: all there are [0]");
+  add_count(command, "--threads", settings.threads, "Threads, at most 64; 0: all there are [0]",
+            {.most = 64});
   std::vector<std::string> isas{"auto"};
   for (const Isa isa : all_isas()) isas.emplace_back(to_string(isa));
   add_words(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -11,6 +12,7 @@
 #include "cli/command_line.hpp"
 #include "plumb/settings.hpp"
 #include "scenes/basics/length_rate.hpp"
+#include "scenes/basics/numbers.hpp"
 
 /// Several commands share these options. All refuse nonsense with one clear line.
 namespace plumb::tools {
@@ -55,9 +57,26 @@ Option add_choice_or_both(Command& command, const std::string& name, std::vector
   return add_words(command, name, words, take, help + " [both]");
 }
 
+/// Whole numbers from the least to the most.
+template <std::unsigned_integral Number>
+struct Whole {
+  Number least = 0;
+  Number most = std::numeric_limits<Number>::max();
+};
+
+/// Reads a whole number of a range. Throws BadValue.
+template <std::unsigned_integral Number>
+Number whole_number(const std::string& text, Whole<Number> range) {
+  const auto value = scenes::parse_number<Number>(text);
+  if (!value || *value < range.least || *value > range.most)
+    throw BadValue("'" + text + "' is not a whole number from " + std::to_string(range.least) + " to " +
+                   std::to_string(range.most));
+  return *value;
+}
+
 /// Adds an option that takes a whole number.
 Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help,
-                 unsigned most = std::numeric_limits<unsigned>::max());
+                 Whole<unsigned> range = {});
 
 /// Adds an option that takes a positive number of seconds, as a decimal or a fraction such as 1/60.
 Option add_seconds(Command& command, const std::string& name, double& target, const std::string& help);

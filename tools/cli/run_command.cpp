@@ -128,13 +128,9 @@ void require_read(const RunOptions& options, const Scene& scene) {
     throw InputError(
         "--save-at says when to write files of frames, such as that of --trajectory, and there "
         "are none");
-  const Settings& settings = options.plan.settings;
-  if (has_more_than_rods(scene)) return;
-  const auto require_default = [](bool is, const char* option) {
-    if (!is) throw InputError(std::string(option) + ": nothing reads it: nothing of this scene can touch");
-  };
-  require_default(settings.contact.length_scale == ContactSettings{}.length_scale, "--length-scale");
-  require_default(settings.sleep_time == Settings{}.sleep_time, "--sleep-time");
+  if (!has_more_than_rods(scene) &&
+      options.plan.settings.contact.length_scale != ContactSettings{}.length_scale)
+    throw InputError("--length-scale: nothing reads it: nothing of this scene can touch");
 }
 
 /// Refuses options that were given their defaults where nothing reads them. The kernel cannot tell those from

@@ -62,7 +62,7 @@ void print_direct(const RunPlan& plan, const RunResult& result) {
   const bool relaxes_crowds = info.relaxed_rods == 0 && result.total.rod_projections > 0;
   print_line(
       "direct",
-      plural(info.direct_rods, "rod") + " solved all at once, " +
+      (info.direct_rods > 0 ? plural(info.direct_rods, "rod") + " " : "") + "solved all at once, " +
           (relaxes_crowds ? "relaxed where they touch, " : "") + "gradient " +
           std::string(to_string(info.direct_gradient)) + (info.changes_gradient ? " (mid while calm)" : "") +
           (info.direct_time_order == 2 ? std::string()
@@ -81,13 +81,15 @@ void print_relaxation(const RunPlan& plan, const RunResult& result) {
   std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
   if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
   if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
-  print_line("relax", plural(result.info.relaxed_rods, "rod") + ", " + std::string(to_string(s.order)) +
+  if (result.total.block_sweeps > 0)
+    stop += " (stopped by " + std::string(to_string(result.total.stopped_by)) + ")";
+  const std::uint64_t rods = result.info.relaxed_rods;
+  print_line("relax", (rods > 0 ? plural(rods, "rod") + ", " : "") + std::string(to_string(s.order)) +
                           ", gradient " + std::string(to_string(gradient_of(relaxed))) + ", weights " +
                           std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
                           std::string(to_string(s.precision)));
   print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
-                          plural(s.substeps, "substep") + " each, " + stop + " (stopped by " +
-                          std::string(to_string(result.total.stopped_by)) + ")");
+                          plural(s.substeps, "substep") + " each, " + stop);
 }
 
 /// Returns by what to divide for a mean: a run may be stopped before its first frame.
@@ -118,8 +120,9 @@ void print_budget(const RunPlan& plan, const RunResult& result) {
 }
 
 void print_errors(const RunResult& result) {
-  print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
-                            " (rod " + std::to_string(result.stretch.max_rod) + ")");
+  if (result.info.rods > 0)
+    print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
+                              " (rod " + std::to_string(result.stretch.max_rod) + ")");
   const scenes::EnergyDrift& energy = result.energy;
   print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
                            " J at last, change at most " +
@@ -197,7 +200,8 @@ void print_run_summary(const std::string& name, const Scene& scene, const RunPla
   const bool solves_joints = info.linkages > 0 && s.method != Method::relax;
   const bool solves_no_rods = info.relaxed_rods == 0 && result.total.direct_substeps > 0;
   const bool solves = info.direct_rods > 0 || solves_joints || solves_no_rods;
-  const bool relaxes = family && !solves_joints && (info.relaxed_rods > 0 || !solves);
+  const bool sweeps = info.relaxed_rods > 0 || (!solves && info.particles > 0);
+  const bool relaxes = family && !solves_joints && sweeps;
   if (!family) print_method(plan, result);
   if (solves) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);

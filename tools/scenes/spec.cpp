@@ -37,16 +37,21 @@ struct Parameter {
 /// Returns the value that the text of an assignment spells. Throws InputError saying what `name` must be.
 template <class Value>
 Value parsed_value(const char* name, std::string_view text) {
-  const auto refuse = [&](const std::string& kind) {
-    return InputError(std::string(name) + " must be " + kind + ", not '" + std::string(text) + "'");
+  const auto refuse = [&](const std::string& kind, const std::string& meant = "") {
+    return InputError(std::string(name) + " must be " + kind + ", not '" + std::string(text) + "'" + meant);
   };
   if constexpr (std::is_same_v<Value, BodyType>) {
-    for (const BodyType body : {BodyType::none, BodyType::thin, BodyType::medium, BodyType::wide})
+    std::vector<std::string> known;
+    for (const BodyType body : {BodyType::thin, BodyType::medium, BodyType::wide, BodyType::none}) {
       if (text == to_string(body)) return body;
-    throw refuse("thin, medium, wide or none");
+      known.emplace_back(to_string(body));
+    }
+    throw refuse("one of " + joined(known), did_you_mean(text, known));
   } else {
     const auto parsed = parse_number<Value>(text);
-    if (!parsed) throw refuse(std::is_floating_point_v<Value> ? "a number" : "a whole number from 0 on");
+    // Generators alone know the least value.
+    const std::string whole = "a whole number in digits, below 2^" + std::to_string(8 * sizeof(Value));
+    if (!parsed) throw refuse(std::is_floating_point_v<Value> ? "a number" : whole);
     return *parsed;
   }
 }
@@ -376,7 +381,10 @@ Scene load_scene(std::string_view spec) {
       throw InputError("scene '" + std::string(spec) + "': " + error.what());
     }
   }
-  throw InputError("no scene '" + std::string(spec) + "': there is no such file, and the generators are " +
+  std::error_code ignored;
+  const char* const there =
+      std::filesystem::is_directory(spec, ignored) ? "it is a folder" : "there is no such file";
+  throw InputError("no scene '" + std::string(spec) + "': " + there + ", and the generators are " +
                    joined(known) + did_you_mean(name, known));
 }
 

@@ -170,11 +170,8 @@ std::vector<Item> chosen(const std::string& list, const std::vector<Item>& all, 
   return out;
 }
 
-Take take_whole(std::optional<std::uint32_t>& target) {
-  return [&target](const std::string& text) {
-    target = scenes::parse_number<std::uint32_t>(text);
-    if (!target) throw BadValue("'" + text + "' is not a whole number");
-  };
+Take take_whole(std::optional<std::uint32_t>& target, Whole<std::uint32_t> range = {}) {
+  return [&target, range](const std::string& text) { target = whole_number(text, range); };
 }
 
 Take take_seconds(std::optional<double>& target) {
@@ -227,8 +224,8 @@ void add_grid_options(Command& command, StabilityOptions& o) {
 
 void add_random_options(Command& command, StabilityOptions& o) {
   add_count(command, "--hangings", o.hangings,
-            "Instead of maps, hang up so many random lines, nets, bridges, cranes and others");
-  command.add_option("--shots", "N", take_whole(o.shots),
+            "Instead of maps, hang up so many random lines, nets, bridges, cranes and others", {.least = 1});
+  command.add_option("--shots", "N", take_whole(o.shots, {.least = 1}),
                      "Instead of maps, fire so many random shots at walls, ropes, nets, figures and boxes");
   command.add_option("--shot", "N", take_whole(o.shot),
                      "Instead of maps, fire the shot of this number alone");

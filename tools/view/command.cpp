@@ -99,13 +99,14 @@ void add_view_command(Command& plumb) {
   add_solver_options(command, o.settings);
   add_layout_options(command, o.settings);
   const Option port =
-      add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]", 65535);
+      add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]", {.most = 65535});
   const Option open = command.add_flag("--open", o.opens, "Open the address in the default browser");
   const Option replay = command.add_option("--replay", "FILE", o.replay, "Repeat what a page saved");
   replay.excludes(scene);
   const Option folder = command.add_option("--export", "DIR", o.folder,
                                            "Write the page into this folder instead, as one file that needs "
-                                           "no server: worlds run in WebAssembly");
+                                           "no server: worlds run in WebAssembly, whose "
+                                           "compiler `tools/setup --ports` installs");
   folder.excludes(port);
   folder.excludes(open);
   command.set_footer([options] {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/basics/nearest.hpp"
+
 namespace plumb::scenes {
 
 /// Appends `item` to a list such as "a, b".
@@ -34,7 +36,7 @@ inline std::vector<std::string> split_list(std::string_view list) {
 }
 
 /// Returns those of `all` whose names, by name_of(item), are in a list such as "a,b", in its order. Throws
-/// std::invalid_argument on a word that names none, with the words that do.
+/// std::invalid_argument on a word that names none, with the words that do and the one that was meant.
 template <class Item, class NameOf>
 std::vector<Item> named(std::string_view list, const std::vector<Item>& all, NameOf name_of) {
   std::vector<Item> out;
@@ -44,9 +46,10 @@ std::vector<Item> named(std::string_view list, const std::vector<Item>& all, Nam
     const auto it =
         std::find_if(all.begin(), all.end(), [&](const Item& item) { return name_of(item) == word; });
     if (it == all.end()) {
-      std::string known;
-      for (const Item& item : all) append_item(known, name_of(item));
-      throw std::invalid_argument("'" + std::string(word) + "' is not one of " + known);
+      std::vector<std::string> known;
+      for (const Item& item : all) known.emplace_back(name_of(item));
+      throw std::invalid_argument("'" + std::string(word) + "' is not one of " + joined(known) +
+                                  did_you_mean(word, known));
     }
     out.push_back(*it);
     if (comma == std::string_view::npos) return out;

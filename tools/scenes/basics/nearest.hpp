@@ -46,13 +46,17 @@ inline std::size_t common_start(std::string_view a, std::string_view b) {
   return static_cast<std::size_t>(end - a.begin());
 }
 
+inline std::string_view without_dashes(std::string_view word) {
+  return word.substr(std::min(word.size(), word.find_first_not_of('-')));
+}
+
 /// Returns how many slips make a word of a name. A word that is nearly a part of the name left out the rest
-/// in one slip. Dashes before the word are none of its letters.
+/// in one slip; fewer than four letters are part of too many. Dashes before the word are none of its letters.
 inline std::size_t slips(std::string_view word, std::string_view name) {
   const std::size_t whole = letters_apart(word, name);
-  const std::string_view bare = word.substr(std::min(word.size(), word.find_first_not_of('-')));
+  const std::string_view bare = without_dashes(word);
   const std::size_t part = letters_apart_within(bare, name);
-  return bare.size() < 3 || part > bare.size() / 4 ? whole : std::min(whole, 1 + part);
+  return bare.size() < 4 || part > bare.size() / 4 ? whole : std::min(whole, 1 + part);
 }
 
 /// Ends a message that a name is unknown with the name that was meant, if one is near: one slip, and one more
@@ -61,11 +65,12 @@ inline std::size_t slips(std::string_view word, std::string_view name) {
 inline std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
   const std::string* nearest = nullptr;
   std::array<std::size_t, 3> least{};
+  const std::size_t most = 1 + without_dashes(word).size() / 4;
   for (const std::string& name : names) {
     const std::size_t longer = std::max(word.size(), name.size()),
                       shorter = std::min(word.size(), name.size());
     const std::array off{slips(word, name), longer - shorter, word.size() - common_start(word, name)};
-    if (word.size() < 3 || off[0] > 1 + word.size() / 4 || (nearest && off >= least)) continue;
+    if (word.size() < 3 || off[0] > most || (nearest && off >= least)) continue;
     least = off;
     nearest = &name;
   }

@@ -134,6 +134,9 @@ std::uint64_t count(const Object& object, const char* key) {
 }
 
 void require_version(const Object& object, const char* key, std::uint64_t expected) {
+  if (!object.find(key))
+    throw InputError("the key '" + object.path_of(key) + "' (version of the format, " +
+                     std::to_string(expected) + ") is missing");
   const json& version = object.at(key);
   if (!version.is_number_integer() || version != expected)
     refuse(object.path_of(key), "is the version of the format and must be " + std::to_string(expected) +
