@@ -116,7 +116,7 @@ class CrowdContacts {
     return ends_.any_push() ||
            any_of([](const Contact& each) { return each.push > 0 && each.island[1] == none; });
   }
-  /// Returns whether a capsule moves so far past a hull that it might be pushed out on the wrong side, after
+  /// Returns whether a shape moves so far past a hull that it might be pushed out on the wrong side, after
   /// find_missed().
   bool outrun_hulls(const Crowd<T>& crowd);
 

@@ -2,6 +2,7 @@
 // through planes.
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -124,12 +125,22 @@ bool CrowdContacts<T>::outrun_hulls(const Crowd<T>& crowd) {
   constexpr double farthest = 0.5;  // of the way to the hull's middle
   const auto lines = static_cast<std::uint32_t>(placed_lines_.size());
   return std::any_of(near_.hull_pairs().begin(), near_.hull_pairs().end(), [&](const Pair& pair) {
-    if (pair.one >= lines || !ways_[pair.one].overlaps(ways_[pair.other])) return false;
-    const MovingSegment line = placed_lines_[pair.one].way();
     const MovingHullShape hull = hull_motion(crowd, pair.other - lines);
-    double most = 0;
-    for (const Vec3 by : hull.hull.by) most = std::max({most, norm(by - line.p_by), norm(by - line.q_by)});
-    return most > settings_.margin + farthest * (hull.shape.half_width + line.at.radius);
+    const auto outruns = [&](std::span<const Vec3> moves, double width) {
+      double square = 0;
+      for (const Vec3 by : hull.hull.by)
+        for (const Vec3 other : moves) square = std::max(square, dot(by - other, by - other));
+      return std::sqrt(square) > settings_.margin + farthest * (hull.shape.half_width + width);
+    };
+    if (pair.one >= lines) {
+      if (!ways_[pair.one].overlaps(ways_[pair.other])) return false;
+      const MovingHullShape other = hull_motion(crowd, pair.one - lines);
+      return outruns(other.hull.by, other.shape.half_width);
+    }
+    // A slow line has none of ways_, and what is fast passes it all the same.
+    const MovingSegment line = placed_lines_[pair.one].way();
+    if (!bounds_of(line).overlaps(ways_[pair.other])) return false;
+    return outruns(std::array{line.p_by, line.q_by}, line.at.radius);
   });
 }
 
