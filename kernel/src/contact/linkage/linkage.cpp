@@ -89,6 +89,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   const bool is_simple = part.bodies.empty() && airs_.empty();
   relaxes_ = is_simple && any_rod([](const Rod& rod) { return !rod.law.is_elastic() && !rod.law.one_sided; });
   crowds_ = is_simple && (movable_ == 1 || any_rod([](const Rod& rod) { return !rod.law.is_elastic(); }));
+  find_loose();
   if (use == Use::relaxed) return;
   plan(isa);
   hold_constraints(x);
@@ -281,20 +282,19 @@ void Linkage::plan(Isa isa) {
   for (Coupling& c : couplings_) c.place = plan_.place(3 * c.a, 3 * c.b);
   softs_.assign(constraints_, 0.0);
   place_constraints();
-  find_loose();
 }
 
 void Linkage::find_loose() {
-  Array<std::uint8_t> is_held(particles_, 0);
-  for (const RodRow& rod : rods_) is_held[rod.a] = is_held[rod.b] = 1;
-  for (const Coupling& each : couplings_) is_held[each.a] = is_held[each.b] = 1;
+  is_held_.assign(particles_, 0);
+  for (const RodRow& rod : rods_) is_held_[rod.a] = is_held_[rod.b] = 1;
+  for (const Coupling& each : couplings_) is_held_[each.a] = is_held_[each.b] = 1;
   for (const DotRow& each : dots_)
-    for (const std::uint32_t particle : each.touched) is_held[particle] = 1;
+    for (const std::uint32_t particle : movable_of(std::array{each.u, each.v})) is_held_[particle] = 1;
   for (const PinRow& pin : pins_)
-    for (std::uint32_t i = 0; i < pin.sum.count; ++i) is_held[pin.sum.terms[i].particle] = 1;
+    for (std::uint32_t i = 0; i < pin.sum.count; ++i) is_held_[pin.sum.terms[i].particle] = 1;
   for (Elastic& each : elastics_)
     each.is_loose = std::none_of(each.touched.begin(), each.touched.end(),
-                                 [&](std::uint32_t particle) { return is_held[particle] != 0; });
+                                 [&](std::uint32_t particle) { return is_held(particle); });
 }
 
 Array<double> Linkage::soften(double share, std::span<double> values) const {

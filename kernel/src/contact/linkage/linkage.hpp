@@ -217,10 +217,10 @@ class Linkage {
   /// Returns what a movable particle has on the diagonal of M, kg, or a quarter of a flat body if it is more.
   double own_mass_of(std::uint32_t particle) const { return nominal_masses_[particle]; }
   /// Returns a mass (kg) that a movable particle has at least, whatever the others do, and none of bodies: M
-  /// less these on its diagonal has no negative eigenvalue. It is that of its row which no coupling weighs
-  /// up.
+  /// less these on its diagonal has no negative eigenvalue. It is what couplings leave of its row.
   double free_mass_of(std::uint32_t particle) const { return free_masses_[particle]; }
   bool has_free_masses() const { return has_free_masses_; }
+  bool is_held(std::uint32_t particle) const { return is_held_[particle] != 0; }  ///< by constraints
   /// Returns the mass of a place's heaviest movable particle, kg.
   double heaviest(Terms at) const;
 
@@ -354,9 +354,8 @@ class Linkage {
   void add_elastic(Elastic elastic, const ElasticLaw& law);
   void add_bends(const Scene& part);
   void couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
-  void color_rods(), plan(Isa isa);
+  void color_rods(), plan(Isa isa), place_constraints(), find_loose();
   void find_taut_rods(const Scene& part);
-  void place_constraints(), find_loose();
   /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.
   Array<double> soften(double share, std::span<double> values) const;
   void hold_constraints(std::span<const Vec3> x);
@@ -372,6 +371,7 @@ class Linkage {
   Array<double> nominal_masses_;  ///< kg, the same, or more where a body is flat
   Array<double> free_masses_;     ///< kg, see free_mass_of()
   Array<Coupling> couplings_;     ///< off the diagonal, between movable particles
+  Array<std::uint8_t> is_held_;   ///< by particle
   Array<double> weights_;         ///< kg, what gravity pulls on
   Array<Air> airs_;
   TermPool places_;  ///< on shapes

@@ -43,6 +43,11 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
   stiffness.assign(kind.taut_rods(), 0);
   stiffness_before.assign(kind.taut_rods(), 0);
   wave_inertia.assign(kind.taut_rods(), 0);
+  if (!laws.empty()) {  // What sleeps is thrown late.
+    pulls_.reserve(kind.movable());
+    energies_.reserve(kind.movable());
+  }
+  follow_bends(0);
   follow_elastics();
 }
 

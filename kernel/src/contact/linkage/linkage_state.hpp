@@ -231,6 +231,8 @@ struct LinkageState : LinkageMotion {
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
   void add_motors(std::span<Vec3> forces) const;
+  /// Returns how far (m) elastics throw a place of the island's shapes in dt (s) at most.
+  double throw_by_elastics(double dt) const;
   /// Returns what elastics hold at x, J, with the constant pulls that are added.
   double elastic_energy() const;
   /// Returns whether elastics hold or take energy: springs, dampers and bends do, and rods that are rigid
@@ -264,6 +266,8 @@ struct LinkageState : LinkageMotion {
  private:
   void keep_elastics(const LinkageState& from, Linkage::ElasticRange old, Linkage::ElasticRange own);
 
+  double find_elastic_pulls() const;
+
   static constexpr double softest = 1e-11;
   /// What is rigid has this share of its particles' response on the diagonal, or something where none moves.
   double least_soft(std::size_t i) const { return gives[i] > 0 ? softest * gives[i] : 1; }
@@ -279,6 +283,8 @@ struct LinkageState : LinkageMotion {
   Array<Vec3> flat_gradients_;  ///< 1/m, of rods of flat bodies where the matrix was assembled
   Array<simd::Quad> unknowns_;
   Array<Vec3> push_, given_;
+  mutable Array<Vec3> pulls_;       ///< N, see find_elastic_pulls()
+  mutable Array<double> energies_;  ///< J, likewise
 };
 
 /// Returns whether capsules of two islands are at one fixed particle, by their numbers. They overlap there as
@@ -294,7 +300,7 @@ double throw_of(const LinkageState& state, double dt);
 /// particle bring them within dt (s). The margin (m) is that of contact.
 ///
 /// The box leaves out what goes farther: ends of shapes beyond the particles, anchors that move, and what
-/// forces, drives and hits within dt add.
+/// hits within dt add. Forces and elastics throw it no farther than so many times its size.
 Bounds reach(const LinkageState& state, double speed, double dt, double margin);
 /// Returns the speed of the fastest particle, m/s.
 double top_speed(const LinkageState& state);

@@ -38,7 +38,7 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin) 
   // A force that throws it too far would only join others into a cluster that cannot be solved.
   const double thrown = throw_of(state, dt);
   double fall = thrown > farthest_throw * state.linkage->size() ? 0 : thrown;
-  fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
+  fall += 0.5 * norm(state.linkage->gravity()) * dt * dt + state.throw_by_elastics(dt);
   return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
 }
 

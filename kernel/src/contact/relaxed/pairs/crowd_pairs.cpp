@@ -16,6 +16,9 @@ void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>&
                          const Surroundings& surroundings, const GroundNow& ground, double dt) {
   left_ = dt;
   list_shapes(cluster, crowd);
+  thrown_.clear();
+  for (std::uint32_t i = 0; i < cluster.size(); ++i)
+    thrown_.push_back(crowd.is_moving(i) ? cluster[i]->throw_by_elastics(dt) : 0);
   follows_lines_ = has_pairs_ || !are_kept_out_by_ends(crowd, surroundings, ground);
   find_shapes(cluster, crowd, surroundings, dt);
   find_hulls(cluster, crowd, surroundings, dt);
@@ -147,7 +150,8 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   for (const Body& body : bodies_) {
     const bool moves = crowd.is_moving(body.island);
     if (!body.is_plain()) {
-      const double fall = moves ? fall_in(*cluster[body.island]->linkage, dt) + margin_ : 0;
+      const double fall =
+          moves ? fall_in(*cluster[body.island]->linkage, dt) + margin_ + thrown_[body.island] : 0;
       bounds_.push_back(reach_of(crowd, surroundings, body, dt, fall));
       continue;
     }
@@ -158,7 +162,7 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   }
   for (const Ball& each : balls_) {
     const Linkage::Ball& ball = *each.ball;
-    const double fall = fall_in(*cluster[each.island]->linkage, dt) + margin_;
+    const double fall = fall_in(*cluster[each.island]->linkage, dt) + margin_ + thrown_[each.island];
     const Bounds around = reach_of(crowd, each.center, ball.radius + dt * fastest_ + fall, dt);
     ball_bounds_.push_back(carried(crowd, surroundings, each.island, around, ball.filter));
   }
@@ -228,7 +232,8 @@ void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T
   if (!follows_lines_) return follow_ends(cluster, crowd, surroundings, ground);
   find_outrun(crowd, team);
   for (const std::uint32_t i : outrun_) {
-    const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin_;
+    const std::uint32_t island = bodies_[i].island;
+    const double fall = fall_in(*cluster[island]->linkage, left) + margin_ + thrown_[island];
     widen(i, reach_of(crowd, surroundings, bodies_[i], left, fall));
     for (const std::uint32_t at : bodies_[i].at)
       if (at != none)
@@ -307,7 +312,7 @@ void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Cro
   hulls_.clear();
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
-    const double fall = crowd.is_moving(i) ? fall_in(linkage, dt) + margin_ : 0;
+    const double fall = crowd.is_moving(i) ? fall_in(linkage, dt) + margin_ + thrown_[i] : 0;
     for (const Linkage::HullShape& shape : linkage.hulls()) {
       Hull& hull = hulls_.emplace_back(Hull{i, &shape, {}});
       Linkage::HullShape::Vectors particles, velocities;

@@ -222,6 +222,7 @@ class CrowdPairs {
   double margin_;                  ///< m, nearer than which shapes may touch
   double slop_;                    ///< m
   double fastest_ = 0;             ///< m/s, of all that moves
+  Array<double> thrown_;           ///< m, by island: how far elastics throw it within the step at most
   double left_ = 0;                ///< s, the time of the step that is looked ahead
   Array<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
   Array<std::uint8_t> is_outrun_;  ///< by body

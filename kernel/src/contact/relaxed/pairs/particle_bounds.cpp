@@ -16,7 +16,7 @@ void CrowdPairs<T>::bound_particles(std::span<LinkageState* const> cluster, cons
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
     const bool moves = crowd.is_moving(i);
-    const double fall = moves ? fall_in(linkage, dt) + margin_ + more : 0;
+    const double fall = moves ? fall_in(linkage, dt) + margin_ + thrown_[i] + more : 0;
     for (std::uint32_t k = 0; k < linkage.particles(); ++k) {
       at = crowd.number_of(i, k);
       const Bounds way = passed_through(crowd.position(at), dt * crowd.velocity(at), fall);
