@@ -24,7 +24,7 @@ struct ClusterRules {
 class ClusterMover {
  public:
   virtual ~ClusterMover() = default;
-  /// Islands that sleep may be in the cluster: they are woken if something pushes them.
+  /// Islands that sleep may be in the cluster, in whole heaps: these are woken if something pushes them.
   virtual void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                     const ClusterRules& rules, double dt, Tally& report) = 0;
   virtual bool set_stop_rule(const StopRule&) { return false; }  ///< true if it is read

@@ -91,10 +91,6 @@ void Clusters::wake(std::uint32_t i) {
   awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
   if (!state.linkage->has_shapes()) return;
   sleepers_.remove(i, bounds_[i]);
-  wake_neighbors(i);
-}
-
-void Clusters::wake_neighbors(std::uint32_t i) {
   Array<std::uint32_t> near;
   sleepers_.find(bounds_[i], [&](std::uint32_t j) {
     if (may_meet(i, j)) near.push_back(j);
@@ -146,14 +142,24 @@ void Clusters::join_near() {
     if (sleepers_.is_empty()) continue;
     sleepers_.find(bounds_[i], [&](std::uint32_t j) {
       if (!may_meet(i, j)) return;
-      if (marks_[j] != mark_) {
-        marks_[j] = mark_;
-        root_[j] = j;
-        members_.push_back(j);
-      }
+      if (marks_[j] != mark_) gather_heap(j);
       join(i, j);
     });
   }
+}
+
+/// Adds a sleeper, and all that touch it or each other, to the members.
+void Clusters::gather_heap(std::uint32_t sleeper) {
+  const auto add = [&](std::uint32_t i) {
+    marks_[i] = mark_;
+    root_[i] = islands_[i].heap = sleeper;
+    members_.push_back(i);
+  };
+  std::size_t next = members_.size();
+  for (add(sleeper); next < members_.size(); ++next)
+    sleepers_.find(bounds_[members_[next]], [&, i = members_[next]](std::uint32_t j) {
+      if (marks_[j] != mark_ && may_meet(i, j)) add(j);
+    });
 }
 
 /// Puts an island to sleep, which stands from then on: its velocities were slow, but not nothing.
@@ -179,7 +185,7 @@ void Clusters::fall_asleep(std::uint32_t i) {
 }
 
 std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
-  // Neighbours may have woken islands within the step that are still listed as sleepers. In members_ these
+  // Neighbours may have woken heaps within the step that are still listed as sleepers. In members_ these
   // follow the others. After a long step they may fall asleep again at once.
   for (std::size_t k = awake_.size(); k < members_.size(); ++k)
     if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
@@ -198,8 +204,6 @@ std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
     }
   }
   if (fell_asleep > 0) std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
-  for (const std::uint32_t i : woken_)
-    if (!islands_[i].asleep) wake_neighbors(i);
   woken_.clear();
   return fell_asleep;
 }

@@ -12,6 +12,9 @@ namespace plumb::detail {
 
 /// This is the broad phase. It knows which islands are awake, and which of them and of the sleepers may touch
 /// within a step. A cluster is a set of such islands in the order of their numbers.
+///
+/// Sleepers that touch each other are a heap. A blow to one goes through all of it within a step, so that a
+/// cluster has whole heaps, which wake as one.
 class Clusters {
  public:
   /// Finds which islands sleep. The states must outlive this object and stay where they are. Shapes nearer
@@ -73,11 +76,11 @@ class Clusters {
  private:
   void find_cell();
   void list_sleepers();
-  void wake_neighbors(std::uint32_t island);
   bool may_meet(std::uint32_t a, std::uint32_t b) const;
   std::uint32_t root(std::uint32_t island);
   void join(std::uint32_t a, std::uint32_t b);
   void join_near();
+  void gather_heap(std::uint32_t sleeper);
   void sort_members();
   void put_to_sleep(LinkageState& state);
 

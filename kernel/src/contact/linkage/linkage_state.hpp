@@ -73,6 +73,7 @@ struct LinkageState : LinkageMotion {
   Array<Linkage::AngleRule> angle_rules;
   Array<simd::Block> factors;         ///< of the matrix at x
   std::uint32_t number;               ///< the island's number
+  std::uint32_t heap = number;        ///< of a sleeper in a cluster, who wakes with all of that heap
   Gradient gradient = Gradient::old;  ///< where it is solved
   bool factored = false;
   bool is_pushed_out = false;     ///< solved contacts took back overlaps in the last substep

@@ -135,19 +135,25 @@ bool CrowdContacts<T>::is_counted(std::span<LinkageState* const> cluster) {
                      [](const LinkageState* state) { return state->pulls.are_asked_for(); });
 }
 
-/// Wakes the sleepers that are about to be pushed. Returns whether there are any.
 template <class T>
 bool CrowdContacts<T>::wake(std::span<LinkageState* const> cluster) {
+  if (std::none_of(cluster.begin(), cluster.end(), [](const auto* state) { return state->asleep; }))
+    return false;
   bool any = false;
-  for (const Batch& batch : batches_)
-    for (const std::uint32_t island : batch.woken) {
-      LinkageState& state = *cluster[island];
-      if (!state.asleep) continue;
-      state.asleep = false;
-      state.slow_time = 0;
-      state.pulls.begin_step();
-      any = true;
+  const auto wake_heap = [&](std::uint32_t island) {
+    if (island == none || !cluster[island]->asleep || cluster[island]->frozen) return;
+    any = true;
+    for (LinkageState* const each : cluster) {
+      if (!each->asleep || each->heap != cluster[island]->heap) continue;
+      each->asleep = false;
+      each->slow_time = 0;
+      each->pulls.begin_step();
     }
+  };
+  for (const Batch& batch : batches_) std::for_each(batch.woken.begin(), batch.woken.end(), wake_heap);
+  for_contacts([&](const Batch&, const Contact& contact) {
+    if (contact.push > 0) std::for_each(std::begin(contact.island), std::end(contact.island), wake_heap);
+  });
   return any;
 }
 

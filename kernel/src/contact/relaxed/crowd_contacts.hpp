@@ -68,6 +68,8 @@ class CrowdContacts {
   /// one. A blow would crush its rods flat, and they might come back the other way round.
   std::uint32_t cuts(const Crowd<T>& crowd, double h) const;
 
+  /// Wakes the heaps of sleepers that are pushed, or about to be. Returns whether there are any.
+  bool wake(std::span<LinkageState* const> cluster);
   /// Makes contacts of those that may touch within a substep of h (s), once displacements are predicted, and
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
   /// A team helps, if there is one.
@@ -330,7 +332,6 @@ class CrowdContacts {
   std::size_t count_contacts() const;
   void find_in_batches(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
                        const Surroundings& surroundings, const GroundNow& ground, double h, Team* team);
-  bool wake(std::span<LinkageState* const> cluster);
   static Contact copied(const Batch& from, const Contact& contact, Batch& to);
   void lay_out(const Crowd<T>& crowd);
   std::uint32_t add_rigid(const Crowd<T>& crowd, const Batch& batch, const Contact& contact);

@@ -166,13 +166,14 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   crowd_.predict(h, Gradient::new_);
   contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
   Energies before{.moving = crowd_.kinetic_of_moves(h)};
-  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
+  // Who is woken moves in this substep, which begins anew then.
+  const auto begin_anew = [&] {
     contacts_.keep(cluster, crowd_);
     scatter(cluster);
     gather(cluster, surroundings, span.left);
-    crowd_.predict(h, Gradient::new_);
-    before.moving = crowd_.kinetic_of_moves(h);
-  }
+    return substep(cluster, surroundings, span, may_halve, report);
+  };
+  if (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) return begin_anew();
   Gradient gradient = predict(cluster, h);
   begin_rows(cluster, h);
   before.elastic = elastic_energy(cluster);
@@ -188,6 +189,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     }
     solve(gradient, report);
   }
+  if (contacts_.wake(cluster)) return begin_anew();
   is_missed = is_missed || is_in_ground_;
   const bool is_torn = is_struck() && (is_missed || crowd_.violation(rod_kernels()) > most_violated());
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;

@@ -45,20 +45,19 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                          motion(one, a.at, one->d), h);
   const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried.by);
   const double closing = dot(touch.normal, shift);
+  const auto leave_out = [&] {
+    left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
+                         touch.gap, touch.normal, carried.by});
+  };
   if (touch.gap + closing > reach_of_rows(*one, two, may_touch_, settings_.margin, shift)) {
     if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
-    if (!all_near_)
-      return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
-                                  touch.gap, touch.normal, carried.by});
+    if (!all_near_) return leave_out();
   }
-  for (Island* island : {one, two})
-    if (island && !island->awake) {
-      if (island->state->asleep && touch.gap + closing < 0) {
-        island->state->asleep = false;
-        woken_ = true;
-      }
-      return;
-    }
+  for (const std::uint32_t i : {a.island, b.island}) {
+    if (i == none || islands_[i].awake) continue;
+    if (!islands_[i].state->asleep) return;
+    return touch.gap + closing < 0 ? wake(i) : leave_out();
+  }
   const KeptContact held = kept_at(*one->state, key, one->next_kept);
   const double arriving = dot(touch.normal, a.at.of(one->v) - (two ? b.at.of(two->v) : carried.now));
   const double approach = approach_of(touch.gap, closing, arriving, h);
@@ -91,6 +90,13 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   const ContactEnd ends[] = {{a.island, a.at, a.shape, -(radius + 0.5 * touch.gap) * touch.normal},
                              {b.island, b.at, b.shape, (other_radius + 0.5 * touch.gap) * touch.normal}};
   add_contact_rows(contact, ends, h);
+}
+
+/// Wakes an island if it sleeps, with all of its heap, since a blow goes through that at once.
+void ClusterStepper::wake(std::uint32_t i) {
+  if (!islands_[i].state->asleep) return;
+  for (std::uint32_t k = 0; k < count_; ++k)
+    if (islands_[k].state->heap == islands_[i].state->heap) islands_[k].state->asleep = false;
 }
 
 void ClusterStepper::add_angles(std::uint32_t i, double h) {
@@ -336,15 +342,21 @@ void ClusterStepper::touch_itself(std::uint32_t i, double h) {
       touch_capsules(i, k, i, l, h);
 }
 
-/// Returns whether other contacts pushed something through a surface that it was not expected to reach.
-bool ClusterStepper::is_contact_missed() const {
-  return std::any_of(left_out_.begin(), left_out_.end(), [&](const LeftOut& each) {
+/// Returns whether other contacts pushed something through a surface that it was not expected to reach. Wakes
+/// what sleeps there.
+bool ClusterStepper::find_missed_contacts() {
+  bool any = false;
+  for (const LeftOut& each : left_out_) {
     const auto moved = [&](std::uint32_t i, Sum at) {
       return i != none && islands_[i].awake ? islands_[i].of(at, islands_[i].d) : Vec3{};
     };
     const Vec3 shift = moved(each.island, each.at) - moved(each.other, each.at_other) - each.carried;
-    return each.gap + dot(each.normal, shift) < -settings_.tolerance;
-  });
+    if (each.gap + dot(each.normal, shift) >= -settings_.tolerance) continue;
+    any = true;
+    for (const std::uint32_t i : {each.island, each.other})
+      if (i != none) wake(i);
+  }
+  return any;
 }
 
 }  // namespace plumb::detail

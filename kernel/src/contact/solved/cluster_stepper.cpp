@@ -334,7 +334,7 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       find_buckling(false);
       return false;
     }
-    if (!all_near_ && is_contact_missed()) {
+    while (find_missed_contacts()) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
@@ -368,24 +368,25 @@ double ClusterStepper::work_of_ground(double h) const {
 bool ClusterStepper::find_positions(double h, Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) start(islands_[i], h);
-  do {
-    woken_ = false;
+  for (bool again = true; again;) {
+    again = false;
     find_contacts(h);
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (island.awake && !island.is_predicted && island.ground.is_empty()) {
         predict(island);  // its contacts are to be found again, where it flies
-        woken_ = true;
+        again = true;
       }
     }
-    for (std::uint32_t i = 0; woken_ && i < count_; ++i)
+    for (std::uint32_t i = 0; i < count_; ++i)
       if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
+        again = true;
         islands_[i].awake = true;
         islands_[i].state->slow_time = 0;
         islands_[i].state->pulls.begin_step();
         start(islands_[i], h);
       }
-  } while (woken_);
+  }
   if (leaves_middle()) return find_positions(h, report);
   knows_answers_ = false;
   for (std::uint32_t i = 0; i < count_; ++i)

@@ -84,7 +84,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
     const GroundRate* rate = nullptr;  ///< of ground that moves
     std::optional<Segment> round{};    ///< of a capsule of the ground that a line touches
   };
-  /// A contact that does not seem to come about in this substep.
+  /// A contact that does not seem to come about in this substep, or to reach a sleeper.
   struct LeftOut {
     std::uint32_t island, other;
     Sum at, at_other;
@@ -180,8 +180,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_stillness(double h);
   bool learn_tautness(double h);
   bool find_positions(double h, Tally& report);
-  bool is_contact_missed() const;
-  void find_contacts(double h);
+  bool find_missed_contacts();
+  void find_contacts(double h), wake(std::uint32_t i);
   void find_bounds(Island& island) const;
   void find_sights(Island& island) const;
   double work_of_ground(double h) const;
@@ -367,11 +367,11 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   Array<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false, gives_way_ = false;  ///< something is in ground still; nets may be strained
   bool may_sink_ = true, may_strain_ = true, sinks_ = false;  ///< by what is relaxed; something would sink
-  Strain strain_ = Strain::none;  ///< how rods may be off their lengths, in what is relaxed
-  double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
-  bool woken_ = false, all_near_ = false, may_touch_ = false;  ///< the last: something pushes, or is near
-  bool looks_for_crowd_ = false;                       ///< what presses in many places is relaxed instead
-  bool found_crowd_ = false, in_crowd_ = false;        ///< and does; what gives is relaxed in it
+  Strain strain_ = Strain::none;                 ///< how rods may be off their lengths, in what is relaxed
+  double deepest_ = 0;                           ///< m, beyond the slop, as find_depths() found it
+  bool all_near_ = false, may_touch_ = false;    ///< the last: something pushes, or is near
+  bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false, in_crowd_ = false;  ///< and does; what gives is relaxed in it
   bool is_fitted_ = false, has_looked_ahead_ = false;  ///< rods were fitted in this step, or to where it ends
   bool is_buckled_ = false, buckles_ = false;          ///< rods were nudged aside in this step, or are to be
   bool friction_waits_ = false;                        ///< sweeps change normal pushes alone

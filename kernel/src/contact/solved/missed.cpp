@@ -41,8 +41,11 @@ void ClusterStepper::find_missed_pairs(std::uint32_t i, std::uint32_t j) {
           !way.overlaps(bounds_of(b)) || !plumb::may_touch(shapes[k].filter, others[l].filter) ||
           hang_together(*islands_[i].state, k, *islands_[j].state, l))
         continue;
-      if (const auto plane = search.passed(a, b))
-        missed_pairs_.push_back({i, k, j, l, static_cast<std::uint32_t>(missed_pairs_.size()), *plane});
+      const auto plane = search.passed(a, b);
+      if (!plane) continue;
+      missed_pairs_.push_back({i, k, j, l, static_cast<std::uint32_t>(missed_pairs_.size()), *plane});
+      wake(i);
+      wake(j);
     }
   }
 }
