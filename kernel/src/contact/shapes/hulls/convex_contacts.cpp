@@ -10,6 +10,9 @@ namespace {
 /// A face is clipped if the normal has at least this cosine with its own. What is farther off touches at one
 /// place.
 constexpr double flatly = 0.9;
+/// Where the cosine is smaller than this, edges cross, and shapes are also kept apart along the normal.
+/// Pushes along a face's alone would let one edge slide through the other.
+constexpr double along_face = 0.99;
 /// Of faces with more corners than these, corners at even distances stand for all.
 constexpr std::uint32_t most_corners = 48;
 /// Of equally good faces that of a counts, unless the other is better by this much.
@@ -161,8 +164,9 @@ ConvexContacts contacts_of(const Convex& a, const Convex& b, double reach) {
   const Facing of_a = facing(a, -1.0 * near.normal), of_b = facing(b, near.normal);
   const bool over_b = of_b.cosine > of_a.cosine + better;
   const Convex &base = over_b ? b : a, &other = over_b ? a : b;
+  const Facing face = over_b ? of_b : of_a;
   double narrowest = INFINITY;
-  if (const Facing face = over_b ? of_b : of_a; face.cosine >= flatly) {
+  if (face.cosine >= flatly) {
     const Vec3 n = base.normals[face.face], from = base.vertices[base.parts->face(face.face)[0]];
     const bool is_parallel = facing(other, -1.0 * n).cosine > parallel;
     const Polygon polygon = clip(polygon_of(other, -1.0 * n), base, face.face, is_parallel ? overhang : 0);
@@ -176,9 +180,11 @@ ConvexContacts contacts_of(const Convex& a, const Convex& b, double reach) {
                            : ConvexContact{distance - radii, -1.0 * n, foot, polygon.at[i], polygon.keys[i]};
     }
   }
-  // The nearest places are among them where a face is met flatly. Elsewhere they come first.
-  if (narrowest > near.distance + same_place * norm(base.vertices[0] - base.vertices.back()) &&
-      count < found.size())
+  // The nearest places are among them where a face is met flatly. Elsewhere they come, too.
+  const bool are_among =
+      face.cosine >= along_face &&
+      narrowest <= near.distance + same_place * norm(base.vertices[0] - base.vertices.back());
+  if (!are_among && count < found.size())
     found[count++] = {near.distance - radii, near.normal, near.on_a, near.on_b, ~std::uint64_t{0}};
   out.count = spread({found.data(), count});
   std::copy_n(found.begin(), out.count, out.list.begin());

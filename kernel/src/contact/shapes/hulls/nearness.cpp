@@ -3,6 +3,7 @@
 
 #include "contact/shapes/hulls/convex.hpp"
 #include "contact/shapes/hulls/simplex.hpp"
+#include "contact/shapes/touch.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -75,59 +76,74 @@ bool find_apart(const Convex& a, const Convex& b, Simplex& simplex) {
   return true;
 }
 
+/// Says how far apart two shapes are along a unit vector from b to a, and between which of their vertices.
 struct Gap {
-  double size = -INFINITY;  ///< m along the normal; negative if they overlap
-  Vec3 normal{};            ///< from b to a
+  double size = -INFINITY;  ///< m; negative if they overlap
+  Vec3 normal{};
+  std::uint32_t of_a = 0, of_b = 0;
 };
 
-/// Returns the gap between both shapes along a unit vector.
 Gap gap_along(const Convex& a, const Convex& b, Vec3 n) {
-  const double to = dot(a.vertices[farthest(a.vertices, -1.0 * n)], n);
-  return {to - dot(b.vertices[farthest(b.vertices, n)], n), n};
+  const std::uint32_t i = farthest(a.vertices, -1.0 * n), k = farthest(b.vertices, n);
+  return {dot(a.vertices[i] - b.vertices[k], n), n, i, k};
 }
 
-Gap widest_of_faces(const Convex& a, const Convex& b) {
-  Gap best;
-  const auto see = [&](const Gap& gap) {
-    if (gap.size > best.size) best = gap;
-  };
-  for (const Vec3 n : b.normals) see(gap_along(a, b, n));
-  for (const Vec3 n : a.normals) see(gap_along(a, b, -1.0 * n));
+/// Returns how two shapes are parted best along the normal of a face. They touch where the vertex is that is
+/// deepest below it.
+Nearness part_by_face(const Convex& a, const Convex& b) {
+  Nearness best{.distance = -INFINITY};
+  for (const Vec3 n : b.normals)
+    if (const Gap gap = gap_along(a, b, n); gap.size > best.distance)
+      best = {gap.size, n, a.vertices[gap.of_a], a.vertices[gap.of_a] - gap.size * n};
+  for (const Vec3 out : a.normals)
+    if (const Gap gap = gap_along(a, b, -1.0 * out); gap.size > best.distance)
+      best = {gap.size, gap.normal, b.vertices[gap.of_b] + gap.size * gap.normal, b.vertices[gap.of_b]};
   return best;
 }
 
-/// Calls `seen(along)` with the direction of every edge; a segment has one.
+/// Calls `seen(edge)` with the vertices of every edge; a segment has one.
 template <class Seen>
 void for_each_edge(const Convex& shape, Seen&& seen) {
   if (shape.parts) {
-    for (const ConvexParts::Edge& edge : shape.parts->edges)
-      seen(shape.vertices[edge.b] - shape.vertices[edge.a]);
+    for (const ConvexParts::Edge& edge : shape.parts->edges) seen(edge);
   } else if (shape.vertices.size() == 2) {
-    seen(shape.vertices[1] - shape.vertices[0]);
+    seen(ConvexParts::Edge{0, 1, 0, 0});
   }
 }
 
-Gap widest_of_edges(const Convex& a, const Convex& b) {
-  Gap best;
-  for_each_edge(a, [&](Vec3 u) {
-    for_each_edge(b, [&](Vec3 v) {
-      const Vec3 across = cross(u, v);
+/// Returns how two shapes are parted best across two of their edges, which touch where they cross. A push
+/// elsewhere on them would turn the shapes into each other. Edges that are farthest along the direction are
+/// meant, not others that are parallel to them. A line is pushed at an end: within ground, it is kept off
+/// there, and what crosses it between would be pushed twice.
+Nearness part_across_edges(const Convex& a, const Convex& b) {
+  const bool are_solid = a.faces() > 0 && b.faces() > 0;
+  Nearness best{.distance = -INFINITY};
+  for_each_edge(a, [&](const ConvexParts::Edge& of_a) {
+    const Segment one{a.vertices[of_a.a], a.vertices[of_a.b], 0};
+    for_each_edge(b, [&](const ConvexParts::Edge& of_b) {
+      const Segment other{b.vertices[of_b.a], b.vertices[of_b.b], 0};
+      const Vec3 u = one.q - one.p, v = other.q - other.p, across = cross(u, v);
       const double length = norm(across);
       if (!(length > 1e-6 * norm(u) * norm(v))) return;  // parallel
-      for (const double sign : {1.0, -1.0})
-        if (const Gap gap = gap_along(a, b, (sign / length) * across); gap.size > best.size) best = gap;
+      for (const double sign : {1.0, -1.0}) {
+        const Gap gap = gap_along(a, b, (sign / length) * across);
+        const bool are_farthest =
+            (gap.of_a == of_a.a || gap.of_a == of_a.b) && (gap.of_b == of_b.a || gap.of_b == of_b.b);
+        if (!are_farthest || !(gap.size > best.distance)) continue;
+        const Vec3 on_a = are_solid ? between(one.p, one.q, touch(one, other).a) : a.vertices[gap.of_a];
+        best = {gap.size, gap.normal, on_a, on_a - gap.size * gap.normal};
+      }
     });
   });
   return best;
 }
 
 Nearness part_overlap(const Convex& a, const Convex& b) {
-  Gap best = widest_of_faces(a, b);
-  const Gap edges = widest_of_edges(a, b);
-  if (best.size == -INFINITY || edges.size > (1 - edges_win_by) * best.size) best = edges;
-  if (best.size == -INFINITY) best = {0, {0, 1, 0}};  // two points, or parallel segments, in one place
-  const Vec3 on_a = a.vertices[farthest(a.vertices, -1.0 * best.normal)];
-  return {best.size, best.normal, on_a, on_a - best.size * best.normal};
+  const Nearness face = part_by_face(a, b), edges = part_across_edges(a, b);
+  const bool any_face = face.distance > -INFINITY;
+  if (edges.distance > (any_face ? (1 - edges_win_by) * face.distance : -INFINITY)) return edges;
+  if (any_face) return face;
+  return {0, {0, 1, 0}, a.vertices[0], a.vertices[0]};  // two points, or parallel segments, in one place
 }
 
 }  // namespace
