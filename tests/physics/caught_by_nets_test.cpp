@@ -144,8 +144,8 @@ Scene net_in_crate(std::uint64_t seed, bool is_held) {
 
 /// Positions without overlaps were sought in ever shorter substeps, in up to 4.8 s for a frame, or not found,
 /// and then all stood still. Relaxed, rods give way for a while. Crates land after 0.6 s, and one that lands
-/// on an edge falls over within 0.8 s more. Of 96 seeds a frame took at most 2,212 corrections and halvings,
-/// and all frames 2,700 for each seed.
+/// on an edge falls over within 0.8 s more. One that wraps the net round itself may take until 2 s. Of 96
+/// seeds a frame took at most 2,212 corrections and halvings, and all frames 2,700 for each seed.
 TEST(CaughtByNets, CratesThatStartInThemMoveOn) {
   constexpr std::uint64_t seeds = 12;
   std::uint64_t all = 0;
@@ -156,7 +156,7 @@ TEST(CaughtByNets, CratesThatStartInThemMoveOn) {
       World world(scene, {.threads = 1});
       StepReport total;
       std::uint64_t most = 0;
-      for (int k = 0; k < 90; ++k) {
+      for (int k = 0; k < (is_held ? 90 : 150); ++k) {
         const StepReport report = world.step(test::frame);
         most = std::max(most, report.newton + report.halvings);
         total += report;
