@@ -215,8 +215,8 @@ struct Event {
   enum class Kind : std::uint8_t { woke, fell_asleep, broke, frozen, unsolved, elastic, inaccurate, capped };
 
   Kind kind = Kind::woke;
-  /// It is the first movable particle of the island, of what went wrong as Problem::particle has it. For a
-  /// rod it is the rod's first movable end.
+  /// It is the first movable particle of the island; what went wrong is told of the one that Problem names.
+  /// For a rod it is the rod's first movable end.
   std::uint32_t particle = 0;
   std::uint32_t rod = 0;  ///< The rod, if it broke.
   double strength = 0;    ///< What the rod held, in N, if it broke: it pulled more.

@@ -187,13 +187,13 @@ void Clusters::fall_asleep(std::uint32_t i) {
 std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
   // Neighbours may have woken heaps within the step that are still listed as sleepers. In members_ these
   // follow the others. After a long step they may fall asleep again at once.
-  for (std::size_t k = awake_.size(); k < members_.size(); ++k)
+  const std::size_t before = awake_.size();
+  for (std::size_t k = before; k < members_.size(); ++k)
     if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
       sleepers_.remove(i, bounds_[i]);
-      woken_.push_back(i);
+      awake_.push_back(i);
     }
-  awake_.insert(awake_.end(), woken_.begin(), woken_.end());
-  if (!woken_.empty()) std::sort(awake_.begin(), awake_.end());
+  if (awake_.size() > before) std::sort(awake_.begin(), awake_.end());
   std::uint32_t fell_asleep = 0;
   for (std::uint32_t g = 0; g < rests.size(); ++g) {
     if (rests[g] == 0) continue;
@@ -204,7 +204,6 @@ std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
     }
   }
   if (fell_asleep > 0) std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
-  woken_.clear();
   return fell_asleep;
 }
 

@@ -62,7 +62,7 @@ class Clusters {
   template <class Archive>
   void archive(Archive& archive) {
     auto& [islands, awake, sleepers, walkers, any_shapes, cell, begun, margin, bounds, marks, root, members,
-           woken, mark, order, members_of, starts] = *this;
+           mark, order, members_of, starts] = *this;
     archive(awake, bounds);
     if (archive.restores()) list_sleepers();
   }
@@ -92,7 +92,7 @@ class Clusters {
   std::size_t begun_ = 0;  ///< islands that began since it was found
   double margin_ = 0;      ///< distance within which shapes may touch, m
   Array<Bounds> bounds_;   ///< by island: for a sleeper as it is listed, for others the step's reach
-  Array<std::uint32_t> marks_, root_, members_, woken_;
+  Array<std::uint32_t> marks_, root_, members_;
   std::uint32_t mark_ = 0;
   Array<std::uint64_t> order_;
   Array<LinkageState*> members_of_;  ///< members of all clusters, one cluster after the other

@@ -270,6 +270,9 @@ double top_speed(const LinkageState& state) {
 
 namespace {
 
+constexpr unsigned is_frozen = bits_of({Problem::Kind::frozen}),
+                   is_elastic = bits_of({Problem::Kind::elastic});
+
 /// Returns the mean velocity (m/s) of an island's movable particles, by mass.
 Vec3 mean_velocity(const LinkageState& state) {
   double mass = 0;
@@ -284,16 +287,15 @@ Vec3 mean_velocity(const LinkageState& state) {
 }  // namespace
 
 void LinkageState::take_troubles(Troubles of_cluster, bool others) {
-  constexpr Troubles of_one = bits_of({Problem::Kind::frozen, Problem::Kind::elastic});
-  unsigned own = others ? of_cluster & ~of_one : 0u;
-  if (frozen) own |= of_cluster & bits_of({Problem::Kind::frozen});
-  if (strain != Strain::none) own |= bits_of({Problem::Kind::elastic});
+  unsigned own = others ? of_cluster & ~(is_frozen | is_elastic) : 0u;
+  if (frozen) own |= of_cluster & is_frozen;
+  if (strain != Strain::none) own |= is_elastic;
   troubles = static_cast<Troubles>(own);
 }
 
 Troubles LinkageState::troubles_now(bool also_lasting) const {
   unsigned out = asleep ? 0u : troubles;
-  if (also_lasting) out |= (troubles & lasting) | (frozen ? bits_of({Problem::Kind::frozen}) : 0u);
+  if (also_lasting) out |= (troubles & lasting) | (frozen ? is_frozen : 0u);
   return static_cast<Troubles>(out);
 }
 
