@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "contact/linkage/combination.hpp"
+#include "contact/shapes/touch.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "plumb/vec3.hpp"
 
@@ -131,6 +132,13 @@ struct ClusterRows {
     End end[2]{};
     std::uint32_t ends = 0;
     Vec3 along{};  ///< the contact's normal
+  };
+  /// A contact of lines that follows where they touch as they turn, with rows from `row` on.
+  struct RoundContact {
+    std::uint32_t levers, row;
+    Segment other;      ///< on ground, where it is as the substep begins
+    Vec3 carried;       ///< m, what that moves by
+    double gap, apart;  ///< m, as the substep begins, the second with what is let be of overlaps
   };
   /// Says where shapes touch whose contact has rows from `row` on, for those who count that.
   struct RowsTouch {

@@ -98,6 +98,7 @@ void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, co
       state.stiffness = was.stiffness;
       state.stiffness_before = was.stiffness_before;
       state.knows_tautness = was.knows_tautness;
+      state.waves_before = was.waves_before;
     }
   }
   const LinkagePulls& pulls = was.pulls;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "contact/linkage/linkage_bounds.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 
@@ -47,6 +48,47 @@ void ClusterStepper::find_walls(std::uint32_t i) {
     projection_.walls.push_back({contact.at, contact.normal, std::min(now, now - contact.gap)});
   });
   island.ground.clear();
+}
+
+/// Lists planes between an island and the lines that it was near at Island::there, of islands that are where
+/// they are to be. It may be no deeper in these than it was then.
+void ClusterStepper::find_walls_of_others(std::uint32_t i) {
+  const LinkageState& state = *islands_[i].state;
+  const auto comes_before = [&](std::uint32_t j) {
+    if (!islands_[j].awake) return true;
+    const bool own = state.linkage->is_grounded(), others = islands_[j].state->linkage->is_grounded();
+    return own == others ? j < i : others;
+  };
+  const auto line = [&](std::uint32_t of, const Linkage::Shape& shape) {
+    const Island& island = islands_[of];
+    const std::span<const Vec3> x = island.awake ? island.there : island.state->x;
+    return Segment{shape.a.of(x), shape.b.of(x), shape.radius};
+  };
+  for (const auto [one, two] : close_islands_.found()) {
+    if (one != i && two != i) continue;
+    const std::uint32_t j = one == i ? two : one;
+    const LinkageState& other = *islands_[j].state;
+    if (!comes_before(j)) continue;
+    const std::span<const Linkage::Shape> shapes = state.linkage->shapes(), others = other.linkage->shapes();
+    for (std::uint32_t k = 0; k < shapes.size(); ++k) {
+      const Segment own = line(i, shapes[k]);
+      if (!grown(island_bounds_[j], own.radius).overlaps(box_around(own.p, own.q))) continue;
+      for (std::uint32_t l = 0; l < others.size(); ++l) {
+        const Segment of_other = line(j, others[l]);
+        const double apart = own.radius + of_other.radius, reach = most_approach * apart;
+        if (!plumb::may_touch(shapes[k].filter, others[l].filter) || are_apart(own, of_other, reach) ||
+            hang_together(state, k, other, l))
+          continue;
+        const Touches near = touches(own, of_other, reach);
+        for (std::uint32_t n = 0; n < near.count; ++n) {
+          const Touch& at = near.at[n];
+          const Vec3 to = blend(others[l].a, others[l].b, at.b).of(other.x);
+          projection_.walls.push_back({blend(shapes[k].a, shapes[k].b, at.a), at.normal,
+                                       dot(at.normal, to) + apart + std::min(at.gap, 0.0)});
+        }
+      }
+    }
+  }
 }
 
 /// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
@@ -117,10 +159,18 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
     return out;
   };
   const double moved = farthest();
+  most_moved_ = std::max(most_moved_, moved);
+  const std::size_t of_ground = projection_.walls.size();
+  if (count_ > 1 && most_moved_ > settings_.slop) find_walls_of_others(i);
   bool is_held = !find_depths(i);
   const double depth = deepest_;
   for (int tries = 0; !is_held && tries < most_holds && project_positions(state, projection_) == 0; ++tries)
     is_held = !find_depths(i);
+  for (std::size_t k = of_ground; k < projection_.walls.size(); ++k) {
+    const Hold& wall = projection_.walls[k];
+    const double depth_in_other = wall.least - dot(wall.along, wall.at.of(state.x));
+    goes_through_ = goes_through_ || depth_in_other > most_in_others * state.linkage->thinness();
+  }
   projection_.walls.clear();
   // Where nothing holds it out, it may be brought to where nothing is.
   is_held = is_held && farthest() <= moved + most_pushed * depth;
@@ -138,9 +188,10 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
   return true;
 }
 
-/// Returns whether a net went so far as its rods were brought to their lengths that it may have passed
-/// through what it touches.
-bool ClusterStepper::has_gone_far(std::uint32_t i) const {
+/// Returns whether an island goes into others as its rods are brought to their lengths, or is a net that went
+/// so far that it may have passed through what it touches.
+bool ClusterStepper::has_gone_far(std::uint32_t i) {
+  if (std::exchange(goes_through_, false)) return true;
   const Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
   if (count_ == 1 || !linkage.is_net()) return false;
@@ -151,19 +202,36 @@ bool ClusterStepper::has_gone_far(std::uint32_t i) const {
 }
 
 /// Brings the rods of what is awake to their lengths, or leaves an island as it is if it may keep its strain.
+/// What hangs on anchors comes first, and keeps off what lies on it.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
+  island_bounds_.clear();
+  most_moved_ = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
-    if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
-    projection_.holds.clear();
-    const bool fits = bring_to_lengths(i, may_strain_ ? most_left : 0, surroundings);
-    if (fits && !has_gone_far(i)) continue;
-    if (strain_ == Strain::none && !(fits && may_strain_)) return false;
-    state.x = islands_[i].there;
-    state.strain = std::max(state.strain, Strain::drawn);
+    if (count_ > 1) island_bounds_.push_back(bounds_of(*state.linkage, state.x, settings_.margin));
   }
+  close_islands_.find(island_bounds_);
+  for (const bool hangs : {true, false})
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (islands_[i].awake && islands_[i].state->linkage->is_grounded() == hangs &&
+          !try_lengths(i, surroundings))
+        return false;
+  return true;
+}
+
+/// Brings the rods of an island to their lengths, or leaves it as it is. Returns false if it may not be left
+/// so.
+bool ClusterStepper::try_lengths(std::uint32_t i, const Surroundings& surroundings) {
+  LinkageState& state = *islands_[i].state;
+  projection_.holds.clear();
+  goes_through_ = false;
+  const bool fits = bring_to_lengths(i, may_strain_ ? most_left : 0, surroundings);
+  if (fits && !has_gone_far(i)) return true;
+  if (strain_ == Strain::none && !(fits && may_strain_)) return false;
+  state.x = islands_[i].there;
+  state.strain = std::max(state.strain, Strain::drawn);
   return true;
 }
 

@@ -86,6 +86,7 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
   }
   if (!any_turns) return;
   levers_.push_back(levers);
+  add_round_contact(contact, ends, first);
   if (contact.more->rolling > 0 || contact.more->spinning > 0) add_turning_rows(contact, ends, first, h);
 }
 
@@ -136,17 +137,6 @@ bool ClusterStepper::touches_others(std::uint32_t i) const {
              [](const KeptContact& each) { return kind_of(each.key) == KeyKind::island; })) > few_touching;
 }
 
-/// Returns whether rods of an island pull so much that they rock on what is round about as fast as a substep
-/// of h (s) can follow, or faster.
-bool ClusterStepper::may_rock(std::uint32_t i, double h) const {
-  const LinkageState& state = *islands_[i].state;
-  double stiffest = 0, lightest = INFINITY;
-  for (const double each : state.stiffness) stiffest = std::max(stiffest, each);
-  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
-    lightest = std::min(lightest, state.linkage->mass_of(k));
-  return h * h * stiffest > rocks * lightest;
-}
-
 /// Turns contacts with ground into rows if they are few, or no more than can be swept where that is needed.
 /// Rods that rock on what is round are held in the island's matrix alone, since rows keep to where they
 /// touched.
@@ -162,7 +152,7 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   const std::span<const ElasticLaw> laws = island.state->laws;
   const bool sweeps = sweeps_ground_ || std::any_of(laws.begin(), laws.end(),
                                                     [](const ElasticLaw& law) { return law.one_sided; });
-  const std::size_t few = sweeps ? most_swept_ground : is_round && may_rock(i, h) ? 0 : few_on_ground;
+  const std::size_t few = sweeps ? most_swept_ground : is_round && island.rocks ? 0 : few_on_ground;
   if (may_stand && island.ground.size() > few) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const double radius = linkage.shape_of(contact.shape).radius;

@@ -250,6 +250,28 @@ void Linkage::couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pair
         if (j < i && i < movable_) pairs.emplace_back(3 * i, 3 * j);
   for (const FlatRod& rod : flat_rods_)
     if (rod.a < movable_ && rod.b < movable_) pairs.emplace_back(3 * rod.a, 3 * rod.b);
+  // Beside bodies and what touches, chains without shapes swing across themselves, too. Arms of mechanisms
+  // are held across themselves.
+  if ((bodies_.empty() && shapes_.empty() && hulls_.empty()) || !dots_.empty()) return;
+  Array<std::uint8_t> in_body(movable_, 0);
+  for (const BodyShape& body : bodies_)
+    for (const std::uint32_t each : body.particles)
+      if (each < movable_) in_body[each] = 1;
+  const auto couple = [&](std::uint32_t a, std::uint32_t b) {
+    if (a < movable_ && b < movable_ && !in_body[a] && !in_body[b]) pairs.emplace_back(3 * a, 3 * b);
+  };
+  for (const RodRow& rod : rods_) couple(rod.a, rod.b);
+  for (std::size_t i = 0; i < elastics_.size(); ++i)
+    if (is_rigid_rod(i))
+      couple(elastics_[i].sums[0].terms[0].particle, elastics_[i].sums[0].terms[1].particle);
+}
+
+/// Returns whether an elastic is a rod between two particles that is rigid until it breaks or hangs slack.
+bool Linkage::is_rigid_rod(std::size_t elastic) const {
+  const Elastic& each = elastics_[elastic];
+  const Combination& apart = each.sums[0];
+  return each.kind == Elastic::Kind::distance && apart.count == 2 && std::abs(apart.terms[0].weight) == 1 &&
+         std::abs(apart.terms[1].weight) == 1 && std::isinf(elastic_laws_[elastic].stiffness);
 }
 
 void Linkage::plan(Isa isa) {

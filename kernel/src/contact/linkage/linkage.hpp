@@ -226,8 +226,7 @@ class Linkage {
 
   /// Adds what holds a place to M: the products of its particles' weights, each times `by`.
   void stiffen(Terms at, const Sym3& by, std::span<simd::Block> matrix) const;
-  /// A taut rod is one whose ends may swing across it, since no body holds both. A shape along it or an
-  /// anchor lets the matrix couple them.
+  /// A taut rod is one whose ends may swing across it, since no body holds both. The matrix couples them.
   std::size_t taut_rods() const { return taut_rods_.size(); }
   /// Finds how stiff rods are across themselves, kg: what multipliers of a substep turn by as rods turn.
   void find_tautness(std::span<const double> multipliers, std::span<double> out) const;
@@ -236,12 +235,13 @@ class Linkage {
   void find_wave_inertia(std::span<const double> stiffness, std::span<const double> before, double h,
                          std::span<double> out) const;
   void gather_wave_inertia(std::span<const double> inertia, std::span<double> of_particles) const;
-  /// Adds that inertia to M, to momenta of motions `v`, and to twice their energy.
+  /// Adds that inertia to M, and to momenta of motions `v` if no more than `most`, and to twice their energy.
   void add_wave_inertia(std::span<const double> inertia, std::span<simd::Block> matrix) const;
-  void add_wave_momenta(std::span<const double> inertia, std::span<const Vec3> v, std::span<Vec3> out) const;
+  void add_wave_momenta(std::span<const double> inertia, std::span<const double> most,
+                        std::span<const Vec3> v, std::span<Vec3> out) const;
   /// Adds what that inertia of rods to anchors pushes these with as velocities change.
-  void count_wave_pulls(std::span<const double> inertia, std::span<const Vec3> before,
-                        std::span<const Vec3> after, LinkagePulls& pulls) const;
+  void count_wave_pulls(std::span<const double> inertia, std::span<const double> most,
+                        std::span<const Vec3> before, std::span<const Vec3> after, LinkagePulls& pulls) const;
   double wave_product(std::span<const double> inertia, std::span<const Vec3> v) const;
   /// Counts rods of flat bodies. These have a singular M, which gets rho Jᵀ J of their rods: see push_flat().
   std::size_t flat_rods() const { return flat_rods_.size(); }
@@ -265,8 +265,7 @@ class Linkage {
   /// Writes -J v of some particles into the places of `right`. That of the fixed ones is what constraints
   /// must do about anchors that move. Elastics get 0.
   void rates(std::span<const Vec3> x, std::span<const Vec3> v, Range of, std::span<double> right) const;
-  /// How constraints bend away from a motion that goes straight on: minus their second derivatives, into
-  /// their places of `right`.
+  /// Writes how constraints bend away from a motion that goes straight on: minus their second derivatives.
   void bends(std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
@@ -354,6 +353,7 @@ class Linkage {
   void add_elastic(Elastic elastic, const ElasticLaw& law);
   void add_bends(const Scene& part);
   void couple_shapes(Array<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  bool is_rigid_rod(std::size_t elastic) const;
   void color_rods(), plan(Isa isa), place_constraints(), find_loose();
   void find_taut_rods(const Scene& part);
   /// Gives constraints in a matrix a share of what J M⁻¹ Jᵀ has on its diagonal, which it returns.

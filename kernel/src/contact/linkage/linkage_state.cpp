@@ -43,6 +43,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
   stiffness.assign(kind.taut_rods(), 0);
   stiffness_before.assign(kind.taut_rods(), 0);
   wave_inertia.assign(kind.taut_rods(), 0);
+  waves_before.assign(kind.taut_rods(), 0);
   if (!laws.empty()) {  // What sleeps is thrown late.
     pulls_.reserve(kind.movable());
     energies_.reserve(kind.movable());
@@ -64,7 +65,6 @@ void LinkageState::break_rod(std::size_t elastic) {
   broken[elastic] = 1;
   energy.reset();
   forget_tautness();
-  free_waves();
   slow_time = -awake_after_break;
 }
 

@@ -49,6 +49,7 @@ struct LinkageMotion {
   /// rods.
   Array<double> stiffness, stiffness_before;
   bool knows_tautness = false;  ///< those are of substeps
+  Array<double> waves_before;   ///< kg, LinkageState::wave_inertia in the last substep
   /// It has 1 for rods that have broken, of those that give; none if no rod may.
   Array<std::uint8_t> broken;
   RodLengths lengths;             ///< where the last substep ended, or the next step starts
@@ -120,12 +121,23 @@ struct LinkageState : LinkageMotion {
     knows_tautness = false;
     std::fill(stiffness.begin(), stiffness.end(), 0.0);
     std::fill(stiffness_before.begin(), stiffness_before.end(), 0.0);
+    forget_waves();
+  }
+  /// Lets all waves be as they are. Those that are slowed from then on begin at rest.
+  void forget_waves() {
+    free_waves();
+    std::fill(waves_before.begin(), waves_before.end(), 0.0);
   }
   /// Takes multipliers of a first try for those of the last two substeps, if none are known. Returns whether
   /// that slows any waves.
   bool learn_tautness(std::span<const double> multipliers, double h);
   /// Returns the momenta of motions with the inertia of waves, and their product with these motions.
   void momenta(std::span<const Vec3> motions, std::span<Vec3> out) const;
+  /// Returns the inertia of waves that moves as a substep starts. What they had not before is at rest, since
+  /// it would get energy from nothing if it moved along, which is more than all where a chain comes taut.
+  /// Where anchors or winches drive an island, it moves along all the same.
+  std::span<const double> waves_at_start() const;
+  void start_momenta(std::span<const Vec3> motions, std::span<Vec3> out) const;
   double inertia_product(std::span<const Vec3> motions) const;
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
   double heaviest(Terms at) const;
@@ -317,10 +329,11 @@ template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
          strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
-         stiffness_before, knows_tautness, broken, lengths, leftovers, kept_violations] = of;
+         stiffness_before, knows_tautness, waves_before, broken, lengths, leftovers, kept_violations] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
           strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
-          stiffness_before, knows_tautness, broken, lengths, leftovers.time, leftovers.last, kept_violations);
+          stiffness_before, knows_tautness, waves_before, broken, lengths, leftovers.time, leftovers.last,
+          kept_violations);
 }
 template <class Archive>
 void visit_members(Archive& archive, Linkage::AngleRule& of) {

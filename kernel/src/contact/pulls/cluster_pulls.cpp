@@ -74,7 +74,7 @@ void ClusterStepper::count_pulls(Island& island, double h) const {
                       state.pulls);
   linkage.count_pulls(state.x, state.lengths.squares(), island.end_pulls, 1, state.pulls);
   state.lengths.end_pulls(state.pulls.rods);
-  linkage.count_wave_pulls(state.wave_inertia, state.v, island.v, state.pulls);
+  linkage.count_wave_pulls(state.wave_inertia, state.waves_at_start(), state.v, island.v, state.pulls);
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     if (!island.elastics[i].acts) continue;
     const auto [start, end] = impulses_of(island, i, h);

@@ -183,7 +183,11 @@ void ClusterStepper::find_contacts(double h) {
     islands_[i].ground.clear();
     islands_[i].next_kept = 0;
   }
-  for (std::uint32_t i = 0; i < count_; ++i) find_bounds(islands_[i]);
+  round_contacts_.clear();
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    find_bounds(islands_[i]);
+    islands_[i].rocks = islands_[i].awake && may_rock(i, h);
+  }
   island_bounds_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     island_bounds_.push_back(islands_[i].bounds);
@@ -314,12 +318,14 @@ void ClusterStepper::touch_capsules(std::uint32_t i, std::uint32_t k, std::uint3
                                     double h) {
   const LinkageState &own = *islands_[i].state, &other = *islands_[j].state;
   const Linkage::Shape &a = own.linkage->shapes()[k], &b = other.linkage->shapes()[l];
-  const Touches near =
-      touches({a.a.of(own.x), a.b.of(own.x), a.radius}, {b.a.of(other.x), b.b.of(other.x), b.radius});
+  const Segment second{b.a.of(other.x), b.b.of(other.x), b.radius};
+  const Touches near = touches({a.a.of(own.x), a.b.of(own.x), a.radius}, second);
   for (std::uint32_t n = 0; n < near.count; ++n) {
     const Touch& at = near.at[n];
-    add_contact({i, blend(a.a, a.b, at.a), a.surface, k}, {j, blend(b.a, b.b, at.b), b.surface, l}, at,
-                contact_key(KeyKind::island, 4 * k + n, other.number, l), h);
+    add_contact(
+        {i, blend(a.a, a.b, at.a), a.surface, k},
+        {j, blend(b.a, b.b, at.b), b.surface, l, nullptr, n == 0 ? std::optional(second) : std::nullopt}, at,
+        contact_key(KeyKind::island, 4 * k + n, other.number, l), h);
   }
 }
 

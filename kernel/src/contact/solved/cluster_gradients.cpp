@@ -81,7 +81,7 @@ void ClusterStepper::take_turning(Island& island, std::span<const Vec3> by) {
   const LinkageState& state = *island.state;
   if (state.turning.empty()) return;
   island.lag.assign(state.linkage->movable(), Vec3{});
-  state.linkage->add_wave_momenta(state.turning, by, island.lag);
+  state.linkage->add_wave_momenta(state.turning, state.turning, by, island.lag);
   for (std::size_t k = 0; k < island.bent.size(); ++k) island.bent[k] -= island.lag[k];
 }
 

@@ -39,6 +39,9 @@ inline constexpr int most_holds = 4;
 /// Where rods do not fit, they are left off their lengths by up to so many times what would be in ground.
 /// Relaxation may leave more, which wanders.
 inline constexpr double most_drawn = 4;
+/// What is brought to its lengths may go this share of its thickness into others, which push it back. What
+/// would go farther is left off its lengths.
+inline constexpr double most_in_others = 0.1;
 /// What is held out of ground goes no farther for that than so many times as deep as it was.
 inline constexpr double most_pushed = 16;
 /// What is looked for at an instant is looked for in a substep of this length (s).

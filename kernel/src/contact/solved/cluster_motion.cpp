@@ -70,6 +70,7 @@ bool ClusterStepper::find_velocities(Island& island) {
 void ClusterStepper::finish(double h, bool touched) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) std::swap(islands_[i].state->x, islands_[i].there);  // there: where it was
+  follow_round();
   renew_levers();
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];

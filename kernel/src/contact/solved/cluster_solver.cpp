@@ -37,7 +37,8 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? left_by_sweeps : 1) * still_) return left;
   if (rounds_.is_over) return rounds_.left;
-  const int most = has_nets_ && !is_crowded() ? most_sweeps_on_net : rounds_.most;
+  const bool is_thorough = has_nets_ || !round_contacts_.empty();
+  const int most = is_thorough && !is_crowded() ? most_sweeps_on_net : rounds_.most;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
   if (correction == 0 && !has_nets_ && are_cold(rows_)) {
     friction_waits_ = true;
@@ -45,10 +46,10 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
     friction_waits_ = false;
   }
   left = sweep_positions<Sweep::pushes>();
-  const double till = std::max(still_, (has_nets_ ? rough_on_net : rough) * left);
+  const double till = std::max(still_, (is_thorough ? rough_on_net : rough) * left);
   ++sweeps;
   const bool are_many = rows_.size() > several_rows;
-  const int alone = correction > 0 && are_many && !has_nets_ ? 1 : sweeps_alone;
+  const int alone = correction > 0 && are_many && !is_thorough ? 1 : sweeps_alone;
   if (left > till) left = sweep_on<&Row::p>(till, most - 1, alone, sweeps);
   if (left > till && are_many)
     rounds_.follow(most, left, (is_crowded() ? close_enough : 1) * settings_.tolerance);
@@ -153,11 +154,12 @@ bool ClusterStepper::solve_positions(Tally& report) {
   if (is_wide_) end_free<&Row::p>();
   double last = INFINITY, last_to_do = INFINITY, first = 0;
   int sweeps = 0;
-  const bool is_disturbed = any_ground || is_crowded() || kept_of_overlaps_ < 1;
+  const bool is_disturbed = any_ground || !round_contacts_.empty() || is_crowded() || kept_of_overlaps_ < 1;
   const int most = is_disturbed ? most_ground_corrections : most_corrections;
   Closing closing;
   bool is_patient = false;
   for (int correction = 0; correction < (is_patient ? most_patient_corrections : most); ++correction) {
+    if (correction < gaps_follow_for) follow_gaps();
     if (correction <= 1) rounds_ = {.most = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4};
     const double left = sweep(correction, sweeps);
     closing.see(left);

@@ -123,7 +123,7 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
     if (!rows_.empty()) return false;
   }
   if (!state.can_follow_elastics(h)) return false;
-  state.free_waves();
+  state.forget_waves();
   island.theta = 0;
   island.d.assign(state.x.size(), Vec3{});
   find_bounds(island);
@@ -205,7 +205,6 @@ void ClusterStepper::start(Island& island, double h) {
   if (island.theta == 0) {
     state.slow_waves(h);
   } else {  // directions that turn within a substep follow waves, and those at its start are not known then
-    state.free_waves();
     state.forget_tautness();
   }
   const double kept = linkage.kept(0.5 * h);
@@ -224,7 +223,7 @@ void ClusterStepper::start(Island& island, double h) {
   if (!state.laws.empty()) begin_elastics(island, h);
   linkage.forces(state.x, island.v, state.force, island.force);
   state.add_motors(island.force);
-  state.momenta(island.v, island.momentum);
+  state.start_momenta(island.v, island.momentum);
   island.h = h;
   island.kick = island.theta == 1 ? h * h : 0.5 * h * h;
   for (std::uint32_t i = 0; i < movable; ++i)

@@ -105,23 +105,21 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool can_relax(const LinkageState& state, double dt, bool with_bodies) const;
   bool relax_stuck(std::span<LinkageState* const> cluster, const Surroundings& where, double h, double& vain,
                    Tally& report);
-  bool have_sunk(double h);
-  bool has_ball_sunk(double most);
+  bool have_sunk(double h), has_ball_sunk(double most);
   void keep_strain();
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
-  bool has_gone_far(std::uint32_t i) const;
+  bool try_lengths(std::uint32_t i, const Surroundings& surroundings);
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
-  void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i);
-  bool find_depths(std::uint32_t i);
+  void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i), find_walls_of_others(std::uint32_t i);
+  bool find_depths(std::uint32_t i), has_gone_far(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
-  void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  void buckle(std::span<LinkageState*const> cluster, const Surroundings&surroundings), unbalance();
   bool find_buckling(bool is_found);
-  void unbalance();
   bool make_room(std::uint32_t i, double share, const Surroundings& surroundings);
-  void keep_motion(std::span<LinkageState* const> cluster);
-  void return_to_motion(std::span<LinkageState* const> cluster);
+  void keep_motion(std::span<LinkageState*const> cluster),
+      return_to_motion(std::span<LinkageState*const> cluster);
   double longest_substep(double most, double turn);
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
@@ -182,17 +180,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool find_positions(double h, Tally& report);
   bool find_missed_contacts();
   void find_contacts(double h), wake(std::uint32_t i);
-  void find_bounds(Island& island) const;
-  void find_sights(Island& island) const;
+  void find_bounds(Island&island) const, find_sights(Island&island) const;
   double work_of_ground(double h) const;
   double work_of_given(Array<double> Island::*pulls, double at), work_of_common(double h);
   double opened(const Row& row) const;
   static double opened(const Island& island, const GroundContact& contact);
   double work_of_recovery() const;
-  void touch_planes(std::uint32_t i, double h);
-  void touch_boxes(std::uint32_t i, double h);
-  void touch_anchored(std::uint32_t i, double h);
-  void touch_ground(std::uint32_t i, double h);
+  void touch_planes(std::uint32_t i, double h), touch_boxes(std::uint32_t i, double h);
+  void touch_anchored(std::uint32_t i, double h), touch_ground(std::uint32_t i, double h);
   void touch_ends(std::uint32_t i, std::uint32_t ground, double h);
   Place place_on(std::uint32_t ground) const;
   static MovingSegment motion_of(const Island& island, const Linkage::Shape& shape);
@@ -219,12 +214,15 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool turns(const Levers::End& end) const;
   bool is_on_face(const Levers::End& end, Vec3 outward);
   void move_place(const Levers::End& end, Vec3 by);
-  void renew_levers();
+  void add_round_contact(const GroundContact& contact, std::span<const ContactEnd> ends, std::uint32_t row);
+  Touch nearest(const RoundContact& contact, bool with_motion) const;
+  void follow_gaps(), follow_round(), renew_levers();
+  void move_end(Levers::End& end, std::span<const Vec3> axes, double share, double sign, double beyond);
   void renew_lever(const Levers& contact, const Levers::End& end, Vec3 arm);
   void add_angles(std::uint32_t i, double h);
   static Sum add_sum(Island& island, Terms sum);
-  static std::uint32_t add_side(Island& island, const Side& side);
-  static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
+  static std::uint32_t add_side(Island&island, const Side&side),
+      add_side(Island&island, const Lever::Rate&rate, double sign);
   void find_responses(bool of_elastic_ones_alone);
   static double couple_ends(Row& row);
   /// The unknowns that a side consists of, and the weight of each.
@@ -244,8 +242,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
   double slide(const Row& row);
-  bool is_held_in_ground(const Row& row);
-  bool is_driven_in(const Row& row);
+  bool is_held_in_ground(const Row&row), is_driven_in(const Row&row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void find_yielding(), push_held();
@@ -353,6 +350,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::uint32_t count_ = 0;
   Array<Row> rows_;
   Array<Levers> levers_;
+  Array<RoundContact> round_contacts_;
   Array<RowsTouch> touches_;  ///< empty unless they count
   Array<LeftOut> left_out_;
   NearPairs own_pairs_;                         ///< of one island's shapes
@@ -368,6 +366,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool gives_up_missed_ = false, gives_way_ = false;  ///< something is in ground still; nets may be strained
   bool may_sink_ = true, may_strain_ = true, sinks_ = false;  ///< by what is relaxed; something would sink
   Strain strain_ = Strain::none;                 ///< how rods may be off their lengths, in what is relaxed
+  double most_moved_ = 0;                        ///< m, of what rods at their lengths have moved
+  bool goes_through_ = false;                    ///< other islands, as its rods are brought to their lengths
   double deepest_ = 0;                           ///< m, beyond the slop, as find_depths() found it
   bool all_near_ = false, may_touch_ = false;    ///< the last: something pushes, or is near
   bool looks_for_crowd_ = false;                 ///< what presses in many places is relaxed instead

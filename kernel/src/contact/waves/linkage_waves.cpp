@@ -5,7 +5,7 @@
 // wave blow up. Such rods get an inertia of their own against turning. It is a multiple of what they are
 // stiff with in the substep, so that they swing as slowly as the substep can follow. Rest, gravity, momentum
 // and angular momentum are none of its business, and a load that swings on a rope feels it by the square of
-// the substep.
+// the substep. What is added to it starts at rest: it brings no energy, and takes a little of the rod's turn.
 
 #include <algorithm>
 #include <cmath>
@@ -54,13 +54,9 @@ void Linkage::find_taut_rods(const Scene& part) {
   if (part.bodies.empty()) taut_rods_.reserve(rods_.size());
   for (const RodRow& rod : rods_) add({rod.a, rod.b, rod.row, rod.over2});
   for (std::size_t i = 0; i < elastics_.size(); ++i) {
-    const Elastic& each = elastics_[i];
-    const Combination& apart = each.sums[0];
-    // Of rods that are rigid until they break or hang slack.
-    const bool is_rod = each.kind == Elastic::Kind::distance && apart.count == 2 &&
-                        std::abs(apart.terms[0].weight) == 1 && std::abs(apart.terms[1].weight) == 1;
-    if (is_rod && std::isinf(elastic_laws_[i].stiffness))
-      add({apart.terms[0].particle, apart.terms[1].particle, each.row, 1 / elastic_laws_[i].rest});
+    const Combination& apart = elastics_[i].sums[0];
+    if (is_rigid_rod(i))
+      add({apart.terms[0].particle, apart.terms[1].particle, elastics_[i].row, 1 / elastic_laws_[i].rest});
   }
 }
 
@@ -92,23 +88,26 @@ void Linkage::add_wave_inertia(std::span<const double> inertia, std::span<simd::
   }
 }
 
-void Linkage::add_wave_momenta(std::span<const double> inertia, std::span<const Vec3> v,
-                               std::span<Vec3> out) const {
+void Linkage::add_wave_momenta(std::span<const double> inertia, std::span<const double> before,
+                               std::span<const Vec3> v, std::span<Vec3> out) const {
   for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
     if (inertia[i] == 0) continue;
     const auto [a, b] = std::pair{taut_rods_[i].a, taut_rods_[i].b};
-    const Vec3 by = inertia[i] * ((b < movable_ ? v[b] : Vec3{}) - (a < movable_ ? v[a] : Vec3{}));
+    const double moving = std::min(inertia[i], before[i]);
+    const Vec3 by = moving * ((b < movable_ ? v[b] : Vec3{}) - (a < movable_ ? v[a] : Vec3{}));
     if (a < movable_) out[a] = out[a] - by;
     if (b < movable_) out[b] += by;
   }
 }
 
-void Linkage::count_wave_pulls(std::span<const double> inertia, std::span<const Vec3> before,
-                               std::span<const Vec3> after, LinkagePulls& pulls) const {
+void Linkage::count_wave_pulls(std::span<const double> inertia, std::span<const double> inertia_before,
+                               std::span<const Vec3> before, std::span<const Vec3> after,
+                               LinkagePulls& pulls) const {
   for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
     const auto [moves, stays] = std::minmax(taut_rods_[i].a, taut_rods_[i].b);
-    if (inertia[i] != 0 && stays >= movable_)
-      pulls.fixed[stays - movable_] += inertia[i] * (after[moves] - before[moves]);
+    if (inertia[i] == 0 || stays < movable_) continue;
+    pulls.fixed[stays - movable_] +=
+        inertia[i] * after[moves] - std::min(inertia[i], inertia_before[i]) * before[moves];
   }
 }
 

@@ -63,11 +63,21 @@ void LinkageState::follow_tautness(std::span<const double> multipliers, double h
   stiffness.swap(stiffness_before);
   linkage->find_tautness(multipliers, stiffness);
   for (double& each : stiffness) each /= h * h;
+  waves_before = wave_inertia;
 }
 
 void LinkageState::momenta(std::span<const Vec3> motions, std::span<Vec3> out) const {
   linkage->momenta(motions, out);
-  linkage->add_wave_momenta(wave_inertia, motions, out);
+  linkage->add_wave_momenta(wave_inertia, wave_inertia, motions, out);
+}
+
+std::span<const double> LinkageState::waves_at_start() const {
+  return is_driven() ? wave_inertia : waves_before;
+}
+
+void LinkageState::start_momenta(std::span<const Vec3> motions, std::span<Vec3> out) const {
+  linkage->momenta(motions, out);
+  linkage->add_wave_momenta(wave_inertia, waves_at_start(), motions, out);
 }
 
 double LinkageState::inertia_product(std::span<const Vec3> motions) const {
