@@ -823,7 +823,7 @@ def check_phone(view, picture):
         view.browser.find_element(By.CSS_SELECTOR, "#why summary").click()
 
 
-def check_sleeper(plumb, _):
+def check_sleeper(plumb):
     browser = start_browser(False, 1280, 720)  # a tab that was frozen is no good to other tests
     try:
         with View(plumb, browser, "net:width=40,height=40", "--method", "relax") as view:
@@ -859,7 +859,7 @@ def take_pictures(plumb, folder):
 
 def read_arguments():
     """Returns the program and a folder that is there, and works in it. Skips the test where no browser is."""
-    plumb, folder = map(os.path.abspath, sys.argv[1:3])
+    plumb, folder = map(os.path.abspath, sys.argv[1:])
     for program in ["chromium", "chromedriver"]:
         if not shutil.which(program):
             skip(program + " is missing; tools/setup --browser installs it")
@@ -871,14 +871,11 @@ def read_arguments():
     return plumb, folder
 
 
-PARTS = {"page": check_page, "sleeper": check_sleeper, "pictures": take_pictures}
-
-
 def main():
-    """Runs the parts that are named after the folder, or all."""
     plumb, folder = read_arguments()
-    for part in sys.argv[3:] or PARTS:
-        PARTS[part](plumb, folder)
+    check_page(plumb, folder)
+    check_sleeper(plumb)
+    take_pictures(plumb, folder)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include "contact/linkage/combination.hpp"
 #include "contact/shapes/touch.hpp"
@@ -132,6 +135,13 @@ struct ClusterRows {
     End end[2]{};
     std::uint32_t ends = 0;
     Vec3 along{};  ///< the contact's normal
+  };
+  /// The unknowns that a side consists of, and the weight of each.
+  struct SideUnknowns {
+    static constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
+    std::array<std::uint32_t, most> slots;
+    std::array<double, most> factors;
+    std::uint32_t used = 0;
   };
   /// A contact of lines that follows where they touch as they turn, with rows from `row` on.
   struct RoundContact {

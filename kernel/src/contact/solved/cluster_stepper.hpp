@@ -115,11 +115,12 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i), find_walls_of_others(std::uint32_t i);
   bool find_depths(std::uint32_t i), has_gone_far(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
-  void buckle(std::span<LinkageState*const> cluster, const Surroundings&surroundings), unbalance();
+  void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   bool find_buckling(bool is_found);
+  void unbalance();
   bool make_room(std::uint32_t i, double share, const Surroundings& surroundings);
-  void keep_motion(std::span<LinkageState*const> cluster),
-      return_to_motion(std::span<LinkageState*const> cluster);
+  void keep_motion(std::span<LinkageState* const> cluster);
+  void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn);
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
@@ -180,7 +181,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool find_positions(double h, Tally& report);
   bool find_missed_contacts();
   void find_contacts(double h), wake(std::uint32_t i);
-  void find_bounds(Island&island) const, find_sights(Island&island) const;
+  void find_bounds(Island& island) const;
+  void find_sights(Island& island) const;
   double work_of_ground(double h) const;
   double work_of_given(Array<double> Island::*pulls, double at), work_of_common(double h);
   double opened(const Row& row) const;
@@ -221,17 +223,10 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void renew_lever(const Levers& contact, const Levers::End& end, Vec3 arm);
   void add_angles(std::uint32_t i, double h);
   static Sum add_sum(Island& island, Terms sum);
-  static std::uint32_t add_side(Island&island, const Side&side),
-      add_side(Island&island, const Lever::Rate&rate, double sign);
+  static std::uint32_t add_side(Island& island, const Side& side);
+  static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
   void find_responses(bool of_elastic_ones_alone);
   static double couple_ends(Row& row);
-  /// The unknowns that a side consists of, and the weight of each.
-  struct SideUnknowns {
-    static constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
-    std::array<std::uint32_t, most> slots;
-    std::array<double, most> factors;
-    std::uint32_t used = 0;
-  };
   static SideUnknowns gather(const Island& island, const Side& side);
   void couple(Island& island);
   static void add_pushes(Island& island);
@@ -242,7 +237,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
   double slide(const Row& row);
-  bool is_held_in_ground(const Row&row), is_driven_in(const Row&row);
+  bool is_held_in_ground(const Row& row);
+  bool is_driven_in(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void find_yielding(), push_held();
