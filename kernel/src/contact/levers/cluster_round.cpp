@@ -28,12 +28,12 @@ bool ClusterStepper::may_rock(std::uint32_t i, double h) const {
 void ClusterStepper::add_round_contact(const GroundContact& contact, std::span<const ContactEnd> ends,
                                        std::uint32_t row) {
   const GroundContact::More& more = *contact.more;
-  const bool rocks = std::any_of(ends.begin(), ends.end(), [&](const ContactEnd& end) {
+  const bool any_rocks = std::any_of(ends.begin(), ends.end(), [&](const ContactEnd& end) {
     const Island& island = islands_[end.island];
     const Linkage::Shape& shape = island.state->linkage->shape_of(end.shape);
     return island.rocks && shape.turning == Linkage::Shape::Turning::line;
   });
-  if (!more.round || !rocks || more.rolling > 0 || more.spinning > 0) return;
+  if (!more.round || !any_rocks || more.rolling > 0 || more.spinning > 0) return;
   round_contacts_.push_back({static_cast<std::uint32_t>(levers_.size() - 1), row, *more.round, more.carried,
                              contact.gap, more.apart});
 }
