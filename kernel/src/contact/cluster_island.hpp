@@ -48,6 +48,7 @@ struct ClusterIsland {
   bool is_predicted = false;    ///< d is where it flies, or else a guess
   bool squeezed = false;        ///< it hangs somewhere and hardly answers to what pushes it
   bool buckles = false;         ///< its rods stand straight on what it touches, and are to have room
+  bool is_placed = false;       ///< its rods are at their lengths, or are to stay as they are
   bool rocks = false;           ///< its rods rock on what is round, see may_rock()
   double held = 0;              ///< 1/kg, a response that is no more is rounding
   bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone

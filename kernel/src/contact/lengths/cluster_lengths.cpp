@@ -53,39 +53,34 @@ void ClusterStepper::find_walls(std::uint32_t i) {
 /// Lists planes between an island and the lines that it was near at Island::there, of islands that are where
 /// they are to be. It may be no deeper in these than it was then.
 void ClusterStepper::find_walls_of_others(std::uint32_t i) {
-  const LinkageState& state = *islands_[i].state;
-  const auto comes_before = [&](std::uint32_t j) {
-    if (!islands_[j].awake) return true;
-    const bool own = state.linkage->is_grounded(), others = islands_[j].state->linkage->is_grounded();
-    return own == others ? j < i : others;
-  };
+  for (const auto [one, two] : close_islands_.found()) {
+    if (one == i && islands_[two].is_placed) find_walls_between(i, two);
+    if (two == i && islands_[one].is_placed) find_walls_between(i, one);
+  }
+}
+
+/// Lists those between an island and one other.
+void ClusterStepper::find_walls_between(std::uint32_t i, std::uint32_t j) {
+  const LinkageState &state = *islands_[i].state, &other = *islands_[j].state;
+  const std::span<const Linkage::Shape> shapes = state.linkage->shapes(), others = other.linkage->shapes();
   const auto line = [&](std::uint32_t of, const Linkage::Shape& shape) {
-    const Island& island = islands_[of];
-    const std::span<const Vec3> x = island.awake ? island.there : island.state->x;
+    const std::span<const Vec3> x = islands_[of].there;
     return Segment{shape.a.of(x), shape.b.of(x), shape.radius};
   };
-  for (const auto [one, two] : close_islands_.found()) {
-    if (one != i && two != i) continue;
-    const std::uint32_t j = one == i ? two : one;
-    const LinkageState& other = *islands_[j].state;
-    if (!comes_before(j)) continue;
-    const std::span<const Linkage::Shape> shapes = state.linkage->shapes(), others = other.linkage->shapes();
-    for (std::uint32_t k = 0; k < shapes.size(); ++k) {
-      const Segment own = line(i, shapes[k]);
-      if (!grown(island_bounds_[j], own.radius).overlaps(box_around(own.p, own.q))) continue;
-      for (std::uint32_t l = 0; l < others.size(); ++l) {
-        const Segment of_other = line(j, others[l]);
-        const double apart = own.radius + of_other.radius, reach = most_approach * apart;
-        if (!plumb::may_touch(shapes[k].filter, others[l].filter) || are_apart(own, of_other, reach) ||
-            hang_together(state, k, other, l))
-          continue;
-        const Touches near = touches(own, of_other, reach);
-        for (std::uint32_t n = 0; n < near.count; ++n) {
-          const Touch& at = near.at[n];
-          const Vec3 to = blend(others[l].a, others[l].b, at.b).of(other.x);
-          projection_.walls.push_back({blend(shapes[k].a, shapes[k].b, at.a), at.normal,
-                                       dot(at.normal, to) + apart + std::min(at.gap, 0.0)});
-        }
+  for (std::uint32_t k = 0; k < shapes.size(); ++k) {
+    const Segment own = line(i, shapes[k]);
+    if (!grown(island_bounds_[j], own.radius).overlaps(box_around(own.p, own.q))) continue;
+    for (std::uint32_t l = 0; l < others.size(); ++l) {
+      const Segment of_other = line(j, others[l]);
+      const double apart = own.radius + of_other.radius, reach = most_approach * apart;
+      if (!plumb::may_touch(shapes[k].filter, others[l].filter) || are_apart(own, of_other, reach) ||
+          hang_together(state, k, other, l))
+        continue;
+      const Touches near = touches(own, of_other, reach);
+      for (const Touch& at : std::span(near.at, near.count)) {
+        const Vec3 to = blend(others[l].a, others[l].b, at.b).of(other.x);
+        projection_.walls.push_back({blend(shapes[k].a, shapes[k].b, at.a), at.normal,
+                                     dot(at.normal, to) + apart + std::min(at.gap, 0.0)});
       }
     }
   }
@@ -209,15 +204,17 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
+    islands_[i].is_placed = !islands_[i].awake;
     islands_[i].there = state.x;
     if (count_ > 1) island_bounds_.push_back(bounds_of(*state.linkage, state.x, settings_.margin));
   }
   close_islands_.find(island_bounds_);
   for (const bool hangs : {true, false})
     for (std::uint32_t i = 0; i < count_; ++i)
-      if (islands_[i].awake && islands_[i].state->linkage->is_grounded() == hangs &&
-          !try_lengths(i, surroundings))
-        return false;
+      if (!islands_[i].is_placed && islands_[i].state->linkage->is_grounded() == hangs) {
+        if (!try_lengths(i, surroundings)) return false;
+        islands_[i].is_placed = true;
+      }
   return true;
 }
 

@@ -113,6 +113,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool try_lengths(std::uint32_t i, const Surroundings& surroundings);
   bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
   void find_ground_now(std::uint32_t i), find_walls(std::uint32_t i), find_walls_of_others(std::uint32_t i);
+  void find_walls_between(std::uint32_t i, std::uint32_t j);
   bool find_depths(std::uint32_t i), has_gone_far(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);

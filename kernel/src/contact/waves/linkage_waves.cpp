@@ -88,26 +88,26 @@ void Linkage::add_wave_inertia(std::span<const double> inertia, std::span<simd::
   }
 }
 
-void Linkage::add_wave_momenta(std::span<const double> inertia, std::span<const double> before,
+void Linkage::add_wave_momenta(std::span<const double> inertia, std::span<const double> most,
                                std::span<const Vec3> v, std::span<Vec3> out) const {
   for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
     if (inertia[i] == 0) continue;
     const auto [a, b] = std::pair{taut_rods_[i].a, taut_rods_[i].b};
-    const double moving = std::min(inertia[i], before[i]);
+    const double moving = std::min(inertia[i], most[i]);
     const Vec3 by = moving * ((b < movable_ ? v[b] : Vec3{}) - (a < movable_ ? v[a] : Vec3{}));
     if (a < movable_) out[a] = out[a] - by;
     if (b < movable_) out[b] += by;
   }
 }
 
-void Linkage::count_wave_pulls(std::span<const double> inertia, std::span<const double> inertia_before,
+void Linkage::count_wave_pulls(std::span<const double> inertia, std::span<const double> most,
                                std::span<const Vec3> before, std::span<const Vec3> after,
                                LinkagePulls& pulls) const {
   for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
     const auto [moves, stays] = std::minmax(taut_rods_[i].a, taut_rods_[i].b);
     if (inertia[i] == 0 || stays < movable_) continue;
     pulls.fixed[stays - movable_] +=
-        inertia[i] * after[moves] - std::min(inertia[i], inertia_before[i]) * before[moves];
+        inertia[i] * after[moves] - std::min(inertia[i], most[i]) * before[moves];
   }
 }
 
