@@ -183,12 +183,12 @@ class Linkage {
   void count_pull(std::size_t elastic, std::span<const Vec3> x, double pull, LinkagePulls& pulls) const;
   /// Adds the share of a push on a place that its fixed particles get.
   void push_fixed(Terms at, Vec3 impulse, LinkagePulls& pulls) const;
-  bool is_grounded() const { return movable_ + targets_ < particles_; }  ///< by more than targets of grabs
+  std::uint32_t anchors() const { return particles_ - movable_ - targets_; }  ///< no targets of grabs
+  bool is_grounded() const { return anchors() > 0; }
   /// Returns whether constraints forbid some motion more than once, as the kind was made or at x.
   bool is_redundant() const { return is_redundant_; }
   bool is_redundant_at(std::span<const Vec3> x) const;
-  /// Returns what the matrix lets constraints give to a push along all of them, 1/kg.
-  double softness() const { return softness_; }
+  double softness() const { return softness_; }  ///< 1/kg, by which the matrix lets constraints give
   /// Returns whether anything but contact takes energy: air, drag or joint drag.
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative

@@ -34,6 +34,14 @@ bool is_crowd(std::span<LinkageState* const> cluster) {
   return touching > few_touching;
 }
 
+/// Returns whether a line between anchors is among what touches. What lies on it draws it taut, and sweeps
+/// carry such a pull along few rods: it would give way, and come back through what lies on it.
+bool has_line_between_anchors(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
+    return state->linkage->anchors() > 1 && !state->linkage->has_loops();
+  });
+}
+
 /// Returns how rods of a cluster did not fit when they were looked at last.
 Strain strain_of(std::span<LinkageState* const> cluster) {
   Strain out = Strain::none;
@@ -297,8 +305,9 @@ bool ClusterStepper::any_touch() const {
 bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                                  std::uint32_t substeps, double dt, Tally& report) {
   strain_ = strain_of(cluster);
-  const bool relaxes = strain_ != Strain::none || (relaxes_crowds_ && is_crowd(cluster));
-  looks_for_crowd_ = relaxes_crowds_ && !relaxes;
+  const bool may_be_crowd = relaxes_crowds_ && !has_line_between_anchors(cluster);
+  const bool relaxes = strain_ != Strain::none || (may_be_crowd && is_crowd(cluster));
+  looks_for_crowd_ = may_be_crowd && !relaxes;
   for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
   may_sink_ = may_strain_ = true;
   in_crowd_ = gives(cluster);
