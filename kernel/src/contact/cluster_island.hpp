@@ -51,6 +51,7 @@ struct ClusterIsland {
   bool is_placed = false;       ///< its rods are at their lengths, or are to stay as they are
   bool rocks = false;           ///< its rods rock on what is round, see may_rock()
   double held = 0;              ///< 1/kg, a response that is no more is rounding
+  bool answers_anew = false;    ///< its factors are others than those by which sides' answers were found
   bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone
   std::size_t next_kept = 0;    ///< where the next contact is likely to be found again
   // Padded to whole lanes, or by lanes:

@@ -23,6 +23,7 @@ bool ClusterStepper::factor_on_ground(Island& island, bool is_end) {
     const ElasticStep& step = island.elastics[i];
     return is_end ? step.soft_at_end() : step.soft_of_positions();
   });
+  island.answers_anew = true;
   return island.ground.factor(*island.state);
 }
 

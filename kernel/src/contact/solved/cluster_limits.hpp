@@ -73,6 +73,9 @@ inline constexpr double most_missed_cuts = 1024;
 /// Islands at rest may gain this share of the energy that lifts them by their height. Larger values repeat
 /// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;
+/// A substep is cut where contact would give more than this share of the energy of motion, as velocities were
+/// not found then. With all of it, it was taken from all motion, which stopped tracks round wheels.
+inline constexpr double most_lifting = 0.5;
 /// Contact that would gain more than this share of the energy of motion is counted as such. Less is what the
 /// order of a substep explains where rods turn by a quarter of a radian.
 inline constexpr double gained = 1e-2;

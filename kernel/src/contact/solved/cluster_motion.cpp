@@ -105,7 +105,7 @@ void ClusterStepper::finish(double h, bool touched) {
 // there, in a few rounds.
 void ClusterStepper::bounce(double h) {
   // Where the substep ends, elastics that it resolves do not hold what is pushed.
-  find_responses(true);
+  find_responses(Answering::elastic);
   // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
   // rest, what pushes in the second half is what pushed in the first. What was hit is pushed less.
   const double share = rests_ ? 1 : 0.5;
@@ -128,11 +128,12 @@ void ClusterStepper::bounce(double h) {
       lets_go = find_velocities(island) || lets_go;
       if (!is_wide_) see(island, island.v);
     }
+    if (renew_responses()) lay_pushes();
     if (is_wide_) begin_free<&Row::q>();
     const double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;
     // Rounds lead away if islands answer too differently without the cables that let go.
-    if (lets_go && left > last) find_responses(true);
+    if (lets_go && left > last) find_responses(Answering::elastic);
     last = left;
     const bool is_last = round + 1 == most_rounds;
     if (is_wide_) {
@@ -286,7 +287,8 @@ Account account_of(std::span<const ClusterIsland> islands, bool touched) {
 // Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
 // new velocities still apart, in Island::v.
 //
-// It returns false if more energy was gained than there is motion, and than ending overlaps may have lifted.
+// It returns false if more energy was gained than half of the motion has, and than ending overlaps may have
+// lifted.
 // If no shorter substep is to be tried, all motion stops instead but what is common to what flies.
 bool ClusterStepper::guard_energy(double before, double recovered, bool touched, bool can_shorten,
                                   Tally& report) {
@@ -323,7 +325,7 @@ bool ClusterStepper::guard_energy(double before, double recovered, bool touched,
   } else if (touched && !driven && excess <= lifted) {
     slow_trembling(excess);
   } else if (excess > (free ? let_be * moving : 0)) {
-    const bool lifts = excess > (driven ? loose : moving) + unseen;
+    const bool lifts = excess > most_lifting * (driven ? loose : moving) + unseen;
     if (lifts && can_shorten) return false;
     is_stopped_ = is_stopped_ || lifts;
     driven ? scale_loose_motion(by > 0 ? by : 0) : slow_all(excess, moving);

@@ -169,6 +169,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
     Progress now;
     for (std::uint32_t i = 0; i < count_; ++i)
       if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;
+    renew_responses();
     const bool is_finished = now.to_do <= 1 || now.to_do > 0.5 * last_to_do;
     if (now.violation <= exact && is_finished && !now.lacks &&
         (left <= left_by_sweeps * still_ || rounds_.is_over ||

@@ -226,7 +226,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static Sum add_sum(Island& island, Terms sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
-  void find_responses(bool of_elastic_ones_alone);
+  enum class Answering : std::uint8_t { all, elastic, anew };
+  void find_responses(Answering which);
+  bool renew_responses();
   static double couple_ends(Row& row);
   static SideUnknowns gather(const Island& island, const Side& side);
   void couple(Island& island);
