@@ -35,25 +35,25 @@ inline Scene atwood(const AtwoodMasses& masses, double friction = 0, double angl
 /// r phi'' = -2 r' phi' - g sin phi.
 inline Vec3 swung(double first, double second, double friction, double angle, double t) {
   constexpr double g = 9.81;
-  using State = std::array<double, 4>;  // r, phi and their rates
-  const auto slope = [&](const State& s) {
+  using Swing = std::array<double, 4>;  // r, phi and their rates
+  const auto slope = [&](const Swing& s) {
     const auto [r, phi, r_rate, phi_rate] = s;
     const double ratio = std::exp(friction * (std::numbers::pi - std::abs(phi)));
-    return State{r_rate, phi_rate,
+    return Swing{r_rate, phi_rate,
                  (second * (r * phi_rate * phi_rate + g * std::cos(phi)) - ratio * first * g) /
                      (ratio * first + second),
                  (-2 * r_rate * phi_rate - g * std::sin(phi)) / r};
   };
-  const auto moved = [](const State& s, double by, const State& rate) {
-    State out = s;
+  const auto moved = [](const Swing& s, double by, const Swing& rate) {
+    Swing out = s;
     for (std::size_t i = 0; i < 4; ++i) out[i] += by * rate[i];
     return out;
   };
-  State s{1, angle, 0, 0};
+  Swing s{1, angle, 0, 0};
   constexpr int steps = 4000;
   const double h = t / steps;
   for (int i = 0; i < steps; ++i) {
-    const State a = slope(s), b = slope(moved(s, h / 2, a)), c = slope(moved(s, h / 2, b)),
+    const Swing a = slope(s), b = slope(moved(s, h / 2, a)), c = slope(moved(s, h / 2, b)),
                 d = slope(moved(s, h, c));
     for (std::size_t k = 0; k < 4; ++k) s[k] += h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k]);
   }
