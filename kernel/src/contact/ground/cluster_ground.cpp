@@ -77,10 +77,9 @@ bool ClusterStepper::correct_on_ground(Island& island) {
 }
 
 /// Finds velocities of an island that ground holds, from a guess of them, with what pulls there.
-bool ClusterStepper::find_velocities_on_ground(Island& island) {
-  bool lets_go = false;
-  for (balance_velocities(island); let_go_at_end(island); balance_velocities(island)) lets_go = true;
-  return lets_go;
+void ClusterStepper::find_velocities_on_ground(Island& island) {
+  do balance_velocities(island);
+  while (let_go_at_end(island));
 }
 
 void ClusterStepper::balance_velocities(Island& island) {

@@ -91,6 +91,7 @@ void ClusterStepper::end_elastics(Island& island, double h) {
     step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
   }
   state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
+  island.answers_anew = true;
 }
 
 /// Lets go of cables that would push where the substep ends, and factorises the matrix of velocities without
@@ -108,8 +109,9 @@ bool ClusterStepper::let_go_at_end(Island& island) {
     step.end_push = 0;
     step.lets_go = is_changed = true;
   }
-  if (is_changed) state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
-  return is_changed;
+  if (!is_changed) return false;
+  state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
+  return island.answers_anew = true;
 }
 
 /// Writes the rates to which elastics hold velocities, beside anchors that move.

@@ -48,23 +48,18 @@ void ClusterStepper::begin_given(Island& island, double h) {
   state.lengths.follow(now_ + h);
 }
 
-// Finds velocities along the constraints where the island is now. Returns whether cables let go, so that it
-// answers to pushes otherwise than before.
-bool ClusterStepper::find_velocities(Island& island) {
+// Finds velocities along the constraints where the island is now, with cables that let go.
+void ClusterStepper::find_velocities(Island& island) {
   if (!island.ground.is_empty()) return find_velocities_on_ground(island);
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  const std::span<double> right = island.right();
-  bool lets_go = false;
-  const auto solve = [&] {
+  do {
     fill_velocities(island);
     state.solve(island.unknowns);
     island.take_pulls(island.end_pulls, 0, 1);
-  };
-  for (solve(); let_go_at_end(island); solve()) lets_go = true;
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
+  } while (let_go_at_end(island));
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(island.right(), k);
   if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns, island.end_pulls);
-  return lets_go;
 }
 
 void ClusterStepper::finish(double h, bool touched) {
@@ -105,7 +100,7 @@ void ClusterStepper::finish(double h, bool touched) {
 // there, in a few rounds.
 void ClusterStepper::bounce(double h) {
   // Where the substep ends, elastics that it resolves do not hold what is pushed.
-  find_responses(Answering::elastic);
+  find_responses(true);
   // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
   // rest, what pushes in the second half is what pushed in the first. What was hit is pushed less.
   const double share = rests_ ? 1 : 0.5;
@@ -119,22 +114,17 @@ void ClusterStepper::bounce(double h) {
   }
   lay_pushes();
   const double enough = still_ / h;
-  double last = INFINITY;
   for (int round = 0; round < most_rounds; ++round) {
-    bool lets_go = false;
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (island.sides.empty()) continue;
-      lets_go = find_velocities(island) || lets_go;
+      find_velocities(island);
       if (!is_wide_) see(island, island.v);
     }
     if (renew_responses()) lay_pushes();
     if (is_wide_) begin_free<&Row::q>();
     const double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;
-    // Rounds lead away if islands answer too differently without the cables that let go.
-    if (lets_go && left > last) find_responses(Answering::elastic);
-    last = left;
     const bool is_last = round + 1 == most_rounds;
     if (is_wide_) {
       int sweeps = 0;

@@ -18,16 +18,14 @@ std::uint32_t padded(std::size_t batches) {
 
 }  // namespace
 
-/// Finds answers of all islands, or of those alone that have elastics, or whose factors are others.
-void ClusterStepper::find_responses(Answering which) {
+/// Finds answers of all islands, or of those alone whose factors are others. No pushes lie on their sides
+/// then.
+void ClusterStepper::find_responses(bool of_others_alone) {
   last_pushes_.resize(rows_.size());
   swept_from_.resize(rows_.size());
   if (is_wide_) return find_free_responses();
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (Island& each = islands_[i];
-        !each.sides.empty() &&
-        (which == Answering::all ||
-         (which == Answering::elastic ? !each.state->laws.empty() : each.answers_anew)))
+    if (Island& each = islands_[i]; !each.sides.empty() && (each.answers_anew || !of_others_alone))
       couple(each);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
@@ -52,13 +50,13 @@ void ClusterStepper::find_responses(Answering which) {
   }
 }
 
-/// Finds answers again where ground holds islands otherwise than as they were found. Pushes between islands
-/// and on ground would else come closer by a few percent in a correction. Returns whether there are any, on
-/// whose sides no pushes lie then.
+/// Finds answers again where ground or elastics hold islands otherwise than as they were found. Pushes
+/// between islands and on ground would else come closer by a few percent in a correction. Returns whether
+/// there are any.
 bool ClusterStepper::renew_responses() {
   const auto is_other = [](const Island& each) { return !each.sides.empty() && each.answers_anew; };
   if (is_wide_ || std::none_of(islands_.begin(), islands_.begin() + count_, is_other)) return false;
-  find_responses(Answering::anew);
+  find_responses(true);
   return true;
 }
 

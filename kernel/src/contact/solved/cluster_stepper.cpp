@@ -391,7 +391,7 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
   is_wide_ = is_wide();
-  if (!rows_.empty()) find_responses(Answering::all);
+  if (!rows_.empty()) find_responses(false);
   knows_answers_ = true;
   return solve_positions(report);
 }

@@ -148,7 +148,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double sweep(int correction, int& sweeps);
   bool correct(Island& island, int correction, Progress& progress, Tally& report);
   bool correct_on_ground(Island& island);
-  bool find_velocities_on_ground(Island& island);
+  void find_velocities_on_ground(Island& island);
   void balance_velocities(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
@@ -226,8 +226,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static Sum add_sum(Island& island, Terms sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
-  enum class Answering : std::uint8_t { all, elastic, anew };
-  void find_responses(Answering which);
+  void find_responses(bool of_others_alone);
   bool renew_responses();
   static double couple_ends(Row& row);
   static SideUnknowns gather(const Island& island, const Side& side);
@@ -296,7 +295,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double sweep_freely(double enough, double share, int most, int& sweeps);
   bool solve_positions(Tally& report);
   void finish(double h, bool touched);
-  bool find_velocities(Island& island);
+  void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
   /// `before` (J) is the energy before the substep, and what ground, anchors and rods that go have added
