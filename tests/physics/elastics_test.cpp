@@ -363,6 +363,44 @@ TEST(Springs, AreWhatElasticRodsAre) {
 }
 
 // An elastic rope with shapes falls on the ground, and lies there. A rigid cable holds a ball above it.
+// A ball hangs on elastic rods whose particles are so light that substeps do not resolve how those swing. The
+// ball's own swing, of 20 frames, goes on. It was damped with the rods', and hung still after a second.
+TEST(Springs, LetHeavyThingsSwingOnLightOnes) {
+  constexpr double mass = 5, light = 0.2, stiffness = 6000, g = 9.81;
+  constexpr int rods = 3;
+  Scene scene;
+  for (std::uint32_t i = 0; i <= rods; ++i) {
+    const Vec3 at{0, -double(i) / rods, 0};
+    scene.particles.push_back(i == 0 ? test::fixed(at) : test::movable(at, light));
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .law = {.stiffness = stiffness}});
+  }
+  MassProperties sphere = solid_sphere(mass, 0.1);
+  sphere.center = {0, -1.1, 0};
+  const std::uint32_t ball = add_body(scene, sphere);
+  scene.pins.push_back({point_on_body(scene, ball, {0, -1, 0}), point_at(rods)});
+  // Let go unstretched, it falls by twice what it hangs lower in the end, but for swings of light particles.
+  const double lower = g * (rods * mass + light * (1 + 2 + 3)) / stiffness;
+  const auto amplitude = [&](World& world) {
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 60; ++k) {
+      world.step(frame);
+      low = std::min(low, world.pose(ball).position.y);
+      high = std::max(high, world.pose(ball).position.y);
+    }
+    return (high - low) / 2;
+  };
+  double lost = 1;
+  for (const std::uint32_t substeps : {1u, 2u, 4u}) {
+    World world(scene, {.substeps = substeps, .threads = 1});
+    EXPECT_NEAR(amplitude(world), lower, 0.02 * lower) << substeps;
+    test::run(world, frame, 180);
+    const double loses = 1 - amplitude(world) / lower;  // a third of that if substeps are half as long
+    EXPECT_LT(loses, lost / 3) << substeps;
+    EXPECT_LT(loses, substeps == 1 ? 0.05 : 0.02) << substeps;
+    lost = std::max(loses, 0.01);  // what is seen at frames
+  }
+}
+
 TEST(Springs, TouchTheGround) {
   Scene scene;
   scene.planes.push_back({});

@@ -349,6 +349,7 @@ void ContactSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   LinkageState& state = state_of(slot);
   state.x[local(slot)] = position;
   state.v[local(slot)] = velocity;
+  state.elastic_rates.clear();
   state.factored = false;
   state.energy.reset();
 }

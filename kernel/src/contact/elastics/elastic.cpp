@@ -41,7 +41,11 @@ void ElasticStep::begin(const ElasticLaw& law, double gives, double h, bool at_e
   resolved = is_rigid ? 0 : at_end ? 1 : resolved_share(swing(law, give, h));
   kick = at_end ? h * h : 0.5 * h * h;
   soft = before = 0;
-  if (is_rigid) return;
+
+  if (is_rigid) {
+    went = std::numeric_limits<double>::quiet_NaN();  // It is held still.
+    return;
+  }
   // What is damped strongly does not swing, and needs no damping more.
   const double damps = law.damping / h;
   const double swings = h * h * give * law.stiffness / (1 + h * give * law.damping);
@@ -51,10 +55,15 @@ void ElasticStep::begin(const ElasticLaw& law, double gives, double h, bool at_e
   damped = damps / slope;
   soft = 1 / (kick * slope);
   before = (law.stiffness * (1 - share) - damps) / slope * taut;
+  if (!at_end && !std::isnan(went)) before -= law.stiffness * (share - 0.5) / slope * h * went;
 }
 
 double ElasticStep::soft_at_end() const {
   return acts && !lets_go && resolved < 1 ? resolved / (1 - resolved) * give : -1;
+}
+
+double ElasticStep::rate_at_end(double mean) const {
+  return damped * mean + (std::isnan(went) ? 0 : (1 - damped) * (1.5 * mean - 0.5 * went));
 }
 
 }  // namespace plumb::detail

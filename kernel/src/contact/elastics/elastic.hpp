@@ -65,16 +65,24 @@ struct ElasticStep {
   double end_rate = 0;   ///< m/s or rad/s, to which velocities at the end are held
   bool lets_go = false;  ///< A cable would push where the substep ends, and does not.
   double give = 0;       ///< 1/kg or 1/(kg m²), how a pull of one moves it at the start
+  /// m/s or rad/s, its mean rate in the last substep, or not a number.
+  double went = std::numeric_limits<double>::quiet_NaN();
 
   /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², which
   /// is variational (Marsden, West 2001) and damps nothing. The less of a swing is resolved, the more it
-  /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them. What pulls
-  /// `at_end` takes all of c1, and all of its impulse.
+  /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them. It leaves out of
+  /// both what it did in the last substep anyway, by `went`: that damps what turns round from substep to
+  /// substep, and not a heavy body that swings slowly on stiff springs. What pulls `at_end` takes all of c1,
+  /// and all of its impulse.
   void begin(const ElasticLaw& law, double gives, double h, bool at_end);
   /// Returns the soft of its row, or less than 0 if it does not act.
   double soft_of_positions() const { return acts ? soft : -1; }
   /// Returns what velocities at the end still find: soft of a row that holds them, or less than 0 for none.
   double soft_at_end() const;
+  /// Returns the rate to which velocities are held at the end of a substep in which it went on by `mean` (m/s
+  /// or rad/s): what is damped goes on as it goes, and what is stiff as its last two rates say, like Gear's
+  /// method of second order. It comes to rest if the first of them is unknown.
+  double rate_at_end(double mean) const;
 };
 
 template <class Archive>

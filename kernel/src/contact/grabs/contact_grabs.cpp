@@ -14,6 +14,7 @@ void LinkageState::take_kind(const Linkage& kind) {
   anchors_went.resize(kind.particles() - kind.movable());
   laws.resize(kind.elastics().size());
   elastic_numbers.resize(laws.size(), 0);
+  elastic_rates.clear();
   gives.clear();
   if (!wave_inertia_at.empty()) wave_inertia_at.resize(x.size(), 0);
   if (pulls.counts) {

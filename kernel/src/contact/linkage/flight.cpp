@@ -177,7 +177,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
   if (good) {
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       state.acceleration[k] = (1 / (h * h)) * (state.x[k] - before_x_[k] - h * before_v_[k]);
-    state.follow_elastics();
+    state.follow_elastics(h);
     report.broken_rods += state.break_rods([&](std::size_t i) { return rod_impulses_[i] / h; });
     return true;
   }

@@ -39,6 +39,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
   if (relaxes) kept_violations.reserve(kind.rods());
   anchors_went.assign(kind.particles() - kind.movable(), Vec3{});
   elastic_numbers.assign(laws.size(), 0);
+  elastic_rates.reserve(laws.size());
   if (kind.breaks()) broken.assign(kind.giving_rods(), 0);
   stiffness.assign(kind.taut_rods(), 0);
   stiffness_before.assign(kind.taut_rods(), 0);
@@ -163,6 +164,13 @@ void LinkageState::follow_bends(double h) {
 void LinkageState::follow_elastics() {
   for (std::size_t i = 0; i < laws.size(); ++i)
     elastic_numbers[i] = linkage->number(linkage->elastics()[i], x, elastic_numbers[i]);
+}
+
+void LinkageState::follow_elastics(double h) {
+  elastic_rates.assign(elastic_numbers.begin(), elastic_numbers.end());
+  follow_elastics();
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    elastic_rates[i] = (elastic_numbers[i] - elastic_rates[i]) / h;
 }
 
 void LinkageState::add_motors(std::span<Vec3> forces) const {

@@ -44,7 +44,10 @@ struct LinkageMotion {
   std::optional<double> energy{};  ///< J, that free flight keeps, or that elastics may have
   double most_motion = 0;          ///< J, most of kinetic and elastic energy since that was noted
   Array<double> elastic_numbers;   ///< m or rad, of elastics; turns are counted by them
-  LinkagePulls pulls;              ///< of the last step
+  /// How fast these changed in the last substep, m/s or rad/s: not a number of what did not act, and none if
+  /// it is unknown.
+  Array<double> elastic_rates;
+  LinkagePulls pulls;  ///< of the last step
   /// How stiff taut rods were across themselves in the last two substeps, kg/s². None if there are no such
   /// rods.
   Array<double> stiffness, stiffness_before;
@@ -240,8 +243,9 @@ struct LinkageState : LinkageMotion {
   bool has_ended(const BendElastics& bend) const;
   /// Lets the laws of bends follow them to where they are in the middle of a substep of h (s).
   void follow_bends(double h);
-  /// Finds the elastics' numbers at x.
+  /// Finds the elastics' numbers at x. After a substep of h (s) it finds their rates as well.
   void follow_elastics();
+  void follow_elastics(double h);
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
   void add_motors(std::span<Vec3> forces) const;
   /// Returns how far (m) elastics throw a place of the island's shapes in dt (s) at most.
@@ -328,10 +332,10 @@ void visit_members(Archive& archive, KeptContact& of) {
 template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-         strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
+         strain, slow_time, slow_from, energy, most_motion, elastic_numbers, elastic_rates, pulls, stiffness,
          stiffness_before, knows_tautness, waves_before, broken, lengths, leftovers, kept_violations] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-          strain, slow_time, slow_from, energy, most_motion, elastic_numbers, pulls, stiffness,
+          strain, slow_time, slow_from, energy, most_motion, elastic_numbers, elastic_rates, pulls, stiffness,
           stiffness_before, knows_tautness, waves_before, broken, lengths, leftovers.time, leftovers.last,
           kept_violations);
 }

@@ -136,7 +136,9 @@ template <class T>
 void RelaxedStepper<T>::scatter(std::span<LinkageState* const> cluster) {
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     crowd_.scatter(*cluster[i], i);
-    if (crowd_.is_moving(i)) cluster[i]->follow_elastics();
+    if (!crowd_.is_moving(i)) continue;
+    cluster[i]->follow_elastics();
+    cluster[i]->elastic_rates.clear();
   }
 }
 

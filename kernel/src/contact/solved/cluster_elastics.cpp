@@ -23,6 +23,7 @@ void ClusterStepper::begin_elastics(Island& island, double h) const {
     ElasticStep& step = island.elastics[i];
     const bool was_taut = step.acts;
     step = {.acts = law.stiffness != 0 || law.damping != 0, .start = state.elastic_numbers[i]};
+    if (!state.elastic_rates.empty()) step.went = state.elastic_rates[i];
     if (law.one_sided) {
       const double there = state.linkage->number(elastics[i], island.there, step.start);
       // What just fits may pull as well: free flight keeps lengths, so that it finds the uppermost alone.
@@ -87,11 +88,18 @@ void ClusterStepper::end_elastics(Island& island, double h) {
     if (!step.acts) continue;
     step.end_push = island.theta == 1 ? 0 : step.p / h;
     linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_push, island.impulse);
-    // What is damped goes on as it goes. What is stiff has come to rest.
-    step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
+    step.end_rate = step.rate_at_end((linkage.number(elastic, state.x, step.start) - step.start) / h);
   }
   state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
   island.answers_anew = true;
+}
+
+/// Keeps numbers and rates of elastics after a substep of h (s).
+void ClusterStepper::keep_elastics(Island& island, double h) {
+  LinkageState& state = *island.state;
+  state.follow_elastics(h);
+  for (std::size_t i = 0; i < state.laws.size(); ++i)
+    if (!island.elastics[i].acts) state.elastic_rates[i] = std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Lets go of cables that would push where the substep ends, and factorises the matrix of velocities without

@@ -290,7 +290,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     }
     state.keep_given();
     if (island.theta == 0) state.follow_tautness(island.pulls, h);
-    state.follow_elastics();
+    keep_elastics(islands_[i], h);
   }
   if (touched) count_pushes(h);
   keep_contacts(h);

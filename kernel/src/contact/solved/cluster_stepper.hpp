@@ -164,6 +164,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static void pull_elastics(Island& island, double share);
   void end_elastics(Island& island, double h);
   static bool let_go_at_end(Island& island);
+  static void keep_elastics(Island& island, double h);
   static void hold_elastics(Island& island);
   bool switch_elastics();
   bool let_go_of_held(bool is_found);

@@ -14,7 +14,7 @@ namespace plumb::detail {
 
 inline constexpr std::array<char, 8> snapshot_magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list, and of the sum.
-inline constexpr std::uint32_t snapshot_format = 25;
+inline constexpr std::uint32_t snapshot_format = 26;
 inline constexpr std::uint32_t library_version =
     PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
