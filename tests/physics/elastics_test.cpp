@@ -362,7 +362,6 @@ TEST(Springs, AreWhatElasticRodsAre) {
   EXPECT_GT(std::abs(test::stretch_of(scene, one).max), 1e-3);
 }
 
-// An elastic rope with shapes falls on the ground, and lies there. A rigid cable holds a ball above it.
 // A ball hangs on elastic rods whose particles are so light that substeps do not resolve how those swing. The
 // ball's own swing, of 20 frames, goes on. It was damped with the rods', and hung still after a second.
 TEST(Springs, LetHeavyThingsSwingOnLightOnes) {
@@ -401,6 +400,7 @@ TEST(Springs, LetHeavyThingsSwingOnLightOnes) {
   }
 }
 
+// An elastic rope with shapes falls on the ground, and lies there. A rigid cable holds a ball above it.
 TEST(Springs, TouchTheGround) {
   Scene scene;
   scene.planes.push_back({});

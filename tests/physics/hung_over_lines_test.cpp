@@ -63,8 +63,8 @@ std::uint32_t add_piece(Scene& scene, const Washing& of, double x, scenes::Rando
 
 class HungOverLines : public testing::TestWithParam<Washing> {};
 
-// Where rods were relaxed and then brought to their lengths, the line came up through what lay on it: all
-// towels fell, and every second rope.
+// Where rods were relaxed and then brought to their lengths, the line came up through what lay on it: most
+// towels fell, and every second of 30 ropes.
 TEST_P(HungOverLines, HangAndRest) {
   Scene scene;
   for (std::uint32_t i = 0; i <= line_rods; ++i) {

@@ -41,7 +41,6 @@ void ElasticStep::begin(const ElasticLaw& law, double gives, double h, bool at_e
   resolved = is_rigid ? 0 : at_end ? 1 : resolved_share(swing(law, give, h));
   kick = at_end ? h * h : 0.5 * h * h;
   soft = before = 0;
-
   if (is_rigid) {
     went = std::numeric_limits<double>::quiet_NaN();  // It is held still.
     return;
