@@ -353,6 +353,29 @@ TEST(SpringAccuracy, AdaptiveStepsKeepIt) {
   }
 }
 
+// A frame is longer than the fastest vibration bears forward in time, by which these chains would fly apart.
+TEST(SpringDefaults, HangChainsByHeavyEndsAtFramesOfSixtieths) {
+  for (const double end : {1.0, 10.0, 100.0}) {
+    Scene scene = scenes::make_chain(20, 0.1, end);
+    scene.drag = 2;
+    const Settings settings{.method = Method::springs};
+    Settings forward = settings;
+    forward.integrator = Integrator::semi_implicit_euler;
+    EXPECT_LT(spring_stability(scene, forward).largest_step, 1.0 / 60);
+    World world(scene, settings);
+    // Each spring gives by the weight below it, of 19 unit masses and the end for the first, and of the end
+    // for the last. Where masses lie on rigid rods moves a unit of them from spring to spring.
+    const double give = (190 + 20 * end) * g / settings.springs.stiffness, length = 2;
+    double farthest = 0;
+    for (int i = 0; i < 1200; ++i) {
+      world.step(1.0 / 60);
+      farthest = std::max(farthest, norm(world.position(20)));
+    }
+    EXPECT_LT(farthest, 2 * (length + give)) << end;
+    EXPECT_NEAR(world.position(20).y, -(length + give), 0.02 * (length + give)) << end;
+  }
+}
+
 // A pull of m g sideways holds a pendulum at 45 degrees, whichever way it is shared among ends; and lifting
 // the anchor lifts it. 20 s of drag leave exp(-20) of the swing or less.
 TEST(SpringForces, HoldAPendulumAside) {

@@ -108,7 +108,7 @@ TEST(Settings, TimeOrdersGoWithGradientOld) {
 }
 
 TEST(Settings, IntegratorsGoWithTheirMethods) {
-  EXPECT_EQ(integrator_of({.method = Method::springs}), Integrator::semi_implicit_euler);
+  EXPECT_EQ(integrator_of({.method = Method::springs}), Integrator::implicit_euler);
   EXPECT_EQ(integrator_of({.method = Method::multipliers}), Integrator::rk4);
   EXPECT_EQ(refusal([](Settings& s) {
               s.method = Method::multipliers;

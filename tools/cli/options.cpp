@@ -107,11 +107,11 @@ std::string readers_of(std::string_view setting) {
 
 /// Adds the options of methods that integrate equations of motion.
 void add_equation_options(Command& command, Settings& settings) {
-  add_choice(
-      command, "--integrator", settings.integrator,
-      {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4,
-       Integrator::implicit_euler, Integrator::adaptive_implicit_euler},
-      "Of " + readers_of("integrator") + " [rk4; springs: semi-implicit-euler]; the last two are of springs");
+  add_choice(command, "--integrator", settings.integrator,
+             {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4,
+              Integrator::implicit_euler, Integrator::adaptive_implicit_euler},
+             "Of " + readers_of("integrator") +
+                 " [rk4; springs: implicit-euler, which no stiffness breaks]; the last two are of springs");
   add_choice(command, "--springs", settings.springs.model, {SpringModel::rigid_rods, SpringModel::particles},
              "What springs join: rigid rods at their joints, or particles");
   add_positive(command, "--stiffness", settings.springs.stiffness, "Of every spring, N/m [10000]");

@@ -94,6 +94,7 @@ Settings settings_of(const ScaleSeries& series, const ScaleOptions& options) {
   settings.threads = series.all_threads ? 0 : 1;
   if (series.method == Method::relax) settings.stop.sweeps = options.sweeps;
   if (series.method == Method::springs) {
+    settings.integrator = Integrator::semi_implicit_euler;
     settings.springs.stiffness = 1;
     // The fastest vibration of a chain hardly depends on its length from some links on.
     const double unit = spring_stability(scenes::make_chain(40), settings).frequency;

@@ -194,7 +194,7 @@ struct Settings {
   /// more, so that it may overshoot a little. It is counted (StepReport::capped_steps).
   std::uint64_t most_work = 20'000;
   StopRule stop{};                         ///< When relaxation stops sweeping.
-  std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
+  std::optional<Integrator> integrator{};  ///< None: implicit_euler for springs, else rk4.
   SpringSettings springs{};                ///< What method springs uses.
   MultiplierSettings multipliers{};        ///< What method multipliers uses.
   /// Islands that touch something sleep once they are slow, if this is true. Islands of particles and rods

@@ -89,7 +89,7 @@ Gradient gradient_of(const Settings& settings) {
 }
 
 Integrator integrator_of(const Settings& settings) {
-  return settings.integrator.value_or(settings.method == Method::springs ? Integrator::semi_implicit_euler
+  return settings.integrator.value_or(settings.method == Method::springs ? Integrator::implicit_euler
                                                                          : Integrator::rk4);
 }
 
