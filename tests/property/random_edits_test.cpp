@@ -1,5 +1,5 @@
 // Random edits of random worlds whose ropes may touch, and other settings in between. PLUMB_EDITS says how
-// many are tried, 2,000 by default.
+// many are tried, 2,000 by default, or half as many under a sanitizer.
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/refusals.hpp"
+#include "support/sanitizers.hpp"
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
@@ -440,7 +441,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits, bool severs) {
 // refused.
 TEST(RandomEdits, KeepWhatTheyPromise) {
   const char* const asked = std::getenv("PLUMB_EDITS");
-  const std::uint64_t count = asked ? std::strtoull(asked, nullptr, 10) : 2000;
+  const std::uint64_t count = asked ? std::strtoull(asked, nullptr, 10) : test::sanitized ? 1000 : 2000;
   std::uint64_t edits = 0;
   for (std::uint32_t seed = 0; edits < count && !testing::Test::HasFailure(); ++seed)
     try_world(seed, edits, true);
